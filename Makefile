@@ -15,7 +15,7 @@ endif
 BUILD  ?= release#     release, portable (for other processors, too), debug, sanitize or races
 WERROR ?=#             1: a warning of the compiler is an error
 V      ?=#             1: show the commands as they are run
-MPI    ?=#             1: bin/amontons-mpi, too, for several ranks, on MPI and PETSc
+MPI    ?=#             1: bin/amontons-mpi and lib/libamontons-mpi.so, too, for several ranks, on MPI and PETSc
 ARCH   ?= -march=native
 PREFIX ?= /usr/local
 PYTHON ?= python3
@@ -96,7 +96,7 @@ UNIT_SOURCES := $(wildcard verify/unit/*/test_*.f90)
 UNITS := $(patsubst %.f90,$(B)/unit/%,$(notdir $(UNIT_SOURCES)))
 PRODUCTS := $(LIB)/libamontons.a $(LIB)/libamontons.so $(BIN)/amontons
 ifeq ($(MPI),1)
-PRODUCTS += $(BIN)/amontons-mpi
+PRODUCTS += $(BIN)/amontons-mpi $(LIB)/libamontons-mpi.so
 endif
 INCLUDES += $(addprefix -I,$(FOLDERS))
 
@@ -114,9 +114,9 @@ $(B)/amontons_$(1).mod: $(B)/$(1).o ;
 endef
 $(foreach module,$(MODULES),$(eval $(call module_rule,$(module))))
 
-.PHONY: picture report bench study study-newton study-gradients all build ready proven deps run programs test check verify unit debug sanitize races format lint doc api install place uninstall deb pack-deb wheel pack-wheel hooks clean help depends
+.PHONY: picture report bench study study-newton study-gradients all build ready proven deps run programs test check ranks verify unit debug sanitize races format lint doc api install place uninstall deb pack-deb wheel pack-wheel hooks clean help depends
 
-all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1; MPI=1: bin/amontons-mpi, too)
+all: ready ## Build bin/amontons, lib/libamontons.a and lib/libamontons.so (BUILD=debug|sanitize|races: into build/debug, ...; WERROR=1; MPI=1: those for several ranks, too)
 	@$(MAKE) build
 
 build: $(PRODUCTS)
@@ -127,7 +127,8 @@ $(BIN)/amontons: $(B)/main.o $(LIB)/libamontons.a
 	$(Q)$(FC) $(FFLAGS) -rdynamic -o $@ $^ $(LDLIBS)
 
 # The same objects; the ranks and the distributed solver are those of MPI and PETSc.
-$(BIN)/amontons-mpi: $(B)/main.o $(filter-out %/serial_shim.o,$(OBJECTS)) $(B)/petsc_shim.o
+OBJECTS_MPI = $(filter-out %/serial_shim.o,$(OBJECTS)) $(B)/petsc_shim.o
+$(BIN)/amontons-mpi: $(B)/main.o $(OBJECTS_MPI)
 	@echo "linking   $@" && mkdir -p $(@D)
 	$(Q)$(FC) $(FFLAGS) -rdynamic -o $@ $^ $(LDLIBS) $(PETSC_L)
 
@@ -142,8 +143,11 @@ $(LIB)/libamontons.a: $(OBJECTS)
 	$(Q)ar rcs $@ $^
 
 $(LIB)/libamontons.so: $(OBJECTS)
+$(LIB)/libamontons-mpi.so: $(OBJECTS_MPI)
+$(LIB)/libamontons.so $(LIB)/libamontons-mpi.so:
 	@echo "linking   $@" && mkdir -p $(@D)
-	$(Q)$(FC) $(FFLAGS) -shared $(if $(filter Darwin,$(shell uname -s)),,-Wl$(comma)-soname$(comma)libamontons.so.$(ABI)) -o $@ $^ $(LDLIBS)
+	$(Q)$(FC) $(FFLAGS) -shared $(if $(filter Darwin,$(shell uname -s)),,-Wl$(comma)-soname$(comma)$(@F).$(ABI)) -o $@ $^ $(LDLIBS) \
+	  $(if $(findstring -mpi,$@),$(PETSC_L))
 	$(Q)ln -sf $(@F) $@.$(ABI)
 
 $(B)/%.o: %.f90
@@ -241,6 +245,9 @@ test: programs $(VENV)/installed $(VENV)-doc/installed $(VENV)-api/installed ## 
 check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 	@$(PYTEST) -m "not slow" verify --ignore verify/peers
 
+ranks: all $(VENV)/installed ## With MPI=1: run the tests of several ranks
+	@$(PYTEST) verify/distributed
+
 verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
 	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/cases verify/peers
 
@@ -335,6 +342,9 @@ place:
 	install -m 644 $(LIB)/libamontons.a $(DESTDIR)$(PREFIX)/lib
 	install -m 644 $(LIB)/libamontons.so $(DESTDIR)$(PREFIX)/lib/libamontons.so.$(ABI)
 	ln -sf libamontons.so.$(ABI) $(DESTDIR)$(PREFIX)/lib/libamontons.so
+	$(if $(filter 1,$(MPI)),install $(BIN)/amontons-mpi $(DESTDIR)$(PREFIX)/bin)
+	$(if $(filter 1,$(MPI)),install -m 644 $(LIB)/libamontons-mpi.so $(DESTDIR)$(PREFIX)/lib/libamontons-mpi.so.$(ABI))
+	$(if $(filter 1,$(MPI)),ln -sf libamontons-mpi.so.$(ABI) $(DESTDIR)$(PREFIX)/lib/libamontons-mpi.so)
 	install -m 644 src/driver/amontons.h $(DESTDIR)$(PREFIX)/include
 	install -m 644 $(B)/amontons_*.mod $(DESTDIR)$(PREFIX)/include/amontons
 	install -m 644 $(PACKAGE) $(DESTDIR)$(PYTHON_SITE)/amontons
@@ -350,7 +360,7 @@ place:
 
 uninstall: ## Remove what `make install` put below PREFIX
 	rm -f $(addprefix $(DESTDIR)$(PREFIX)/,bin/amontons bin/amontons-ccx bin/amontons-report lib/libamontons.a lib/libamontons.so \
-	  lib/libamontons.so.$(ABI) lib/pkgconfig/amontons.pc include/amontons.h)
+	  lib/libamontons.so.$(ABI) bin/amontons-mpi lib/libamontons-mpi.so lib/libamontons-mpi.so.$(ABI) lib/pkgconfig/amontons.pc include/amontons.h)
 	rm -f $(SHARE)/man/man1/amontons.1 $(SHARE)/bash-completion/completions/amontons $(SHARE)/zsh/site-functions/_amontons \
 	  $(SHARE)/fish/vendor_completions.d/amontons.fish
 	rm -rf $(DESTDIR)$(PREFIX)/include/amontons $(DESTDIR)$(PREFIX)/lib/cmake/amontons $(SHARE)/amontons $(DESTDIR)$(PYTHON_SITE)/amontons

@@ -13,7 +13,8 @@ from functools import cache
 from pathlib import Path
 
 ABI = 3
-NAME = "libamontons.so"
+NAMES = {False: "libamontons.so", True: "libamontons-mpi.so"}  #: for one rank, and on a communicator
+VARIABLES = {False: "AMONTONS_LIBRARY", True: "AMONTONS_MPI_LIBRARY"}
 
 Log = CFUNCTYPE(None, c_void_p, c_char_p)
 
@@ -45,6 +46,7 @@ SIGNATURES: dict[str, tuple[object, list[object]]] = {
     "amontons_version": (None, [c_char_p, c_int]),
     "amontons_classify": (c_int, [c_int64] + 8 * [c_void_p]),
     "amontons_open": (c_int, [POINTER(Options), POINTER(c_void_p)]),
+    "amontons_open_on": (c_int, [POINTER(Options), c_int, POINTER(c_void_p)]),
     "amontons_close": (None, [c_void_p]),
     "amontons_message": (c_char_p, [c_void_p]),
     "amontons_is_done": (c_int, [c_void_p]),
@@ -65,37 +67,40 @@ SIGNATURES: dict[str, tuple[object, list[object]]] = {
 }
 
 
-def find_library() -> str:
-    """The path of libamontons: AMONTONS_LIBRARY, beside this file, in the tree around it, in the
-    lib of `make install`, or the system's.
+def find_library(has_ranks: bool = False) -> str:
+    """The path of libamontons (with ranks libamontons-mpi): AMONTONS_LIBRARY (AMONTONS_MPI_LIBRARY), beside this file, in the
+    tree around it, in the lib of `make install`, or the system's.
 
     Raises:
         OSError: it is nowhere.
     """
-    named = os.environ.get("AMONTONS_LIBRARY")
+    name, variable = NAMES[has_ranks], VARIABLES[has_ranks]
+    named = os.environ.get(variable)
     here = Path(__file__).resolve().parent
-    places = [Path(named)] if named else [here / NAME, here.parent.parent / "lib" / NAME, here.parent.parent.parent / NAME]
+    places = [Path(named)] if named else [here / name, here.parent.parent / "lib" / name, here.parent.parent.parent / name]
     for place in places:
         if place.exists():
             return str(place)
-    found = None if named else ctypes.util.find_library("amontons")
+    found = None if named else ctypes.util.find_library(name[3:-3])
     if found is None:
-        raise OSError(f"{NAME} was not found; build it with `make`, or name it in the environment variable AMONTONS_LIBRARY.")
+        command = "make MPI=1" if has_ranks else "make"
+        raise OSError(f"{name} was not found; build it with `{command}`, or name it in the environment variable {variable}.")
     return found
 
 
 @cache
-def library() -> ctypes.CDLL:
+def library(has_ranks: bool = False) -> ctypes.CDLL:
     """The shared library, loaded once, with the signatures of its functions.
 
     Raises:
         OSError: it is nowhere, or has another binary interface than this package.
     """
-    loaded = ctypes.CDLL(find_library())
+    path = find_library(has_ranks)
+    loaded = ctypes.CDLL(path)
     for name, (result, arguments) in SIGNATURES.items():
         function = getattr(loaded, name)
         function.restype = result
         function.argtypes = arguments
     if loaded.amontons_abi() != ABI:
-        raise OSError(f"{find_library()} has binary interface {loaded.amontons_abi()}; this package needs {ABI}.")
+        raise OSError(f"{path} has binary interface {loaded.amontons_abi()}; this package needs {ABI}.")
     return loaded

@@ -12,6 +12,7 @@ from enum import IntEnum
 from os import PathLike
 from pathlib import Path
 from types import TracebackType
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,6 +123,13 @@ def encoded(text: str | PathLike[str] | None) -> bytes | None:
     return None if text is None else str(text).encode()
 
 
+class Communicator(Protocol):
+    """A communicator of mpi4py."""
+
+    def py2f(self) -> int:
+        """Its Fortran handle."""
+
+
 class Job:
     """A job. Its state is the last commit; later solutions can be kept (commit) or discarded (rollback).
 
@@ -146,6 +154,7 @@ class Job:
         user: str | PathLike[str] | None = None,
         old_job: str | PathLike[str] | None = None,
         log: Callable[[str], None] | None = None,
+        comm: Communicator | None = None,
     ) -> None:
         """Begins a job.
 
@@ -162,12 +171,14 @@ class Job:
             check: read the deck and check the model, no more.
             user: routines of the user (UMAT, ...): a Fortran file, which is compiled, or a shared library.
             old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ continues from.
-            log: is given the lines that the program would print.
+            log: is given the lines that the program would print; on several ranks those of the first.
+            comm: a communicator of mpi4py (MPI.COMM_WORLD): the job runs on its ranks, which all make the same calls with the
+                same arguments and get the same values and exceptions.
 
         Raises:
             AmontonsError: one of its kinds.
         """
-        self._library = library()
+        self._library = library(comm is not None)
         self._job = ctypes.c_void_p()
         self._name = name or (Path(deck).stem if deck is not None else "job")
         self._log = Log((lambda _, line: log(line.decode(errors="replace"))) if log else 0)
@@ -175,7 +186,10 @@ class Job:
             ABI, threads, files, checkpoint, resume, check, encoded(deck), encoded(text), encoded(name), encoded(outdir),
             encoded(dialect), encoded(user), encoded(old_job), self._log, None,
         )  # fmt: skip
-        status = self._library.amontons_open(ctypes.byref(options), ctypes.byref(self._job))
+        if comm is None:
+            status = self._library.amontons_open(ctypes.byref(options), ctypes.byref(self._job))
+        else:
+            status = self._library.amontons_open_on(ctypes.byref(options), comm.py2f(), ctypes.byref(self._job))
         try:
             self._judge(status)
         except AmontonsError:

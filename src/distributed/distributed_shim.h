@@ -11,6 +11,12 @@
 void amontons_ranks_begin(void);
 void amontons_ranks_end(void);
 
+/* A job of a calling program joins the ranks of a communicator (a Fortran handle), or is alone (has_communicator 0); the ranks are
+ * those of all jobs of the process until the last one leaves. 0: joined; 1: this program has no MPI; 2: MPI does not run;
+ * 3: this process is not in the communicator; 4: other jobs that are open have other ranks. */
+int amontons_ranks_join(int has_communicator, int handle);
+void amontons_ranks_leave(void);
+
 int amontons_rank(void);    /* of this process, from 0 */
 int amontons_n_ranks(void);
 

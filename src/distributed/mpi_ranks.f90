@@ -7,11 +7,15 @@
 module amontons_mpi_ranks
   use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t, c_char
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type, set_error
+  use amontons_errors, only: error_type, set_error, EXIT_USAGE
   implicit none
   private
-  public :: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank
-  public :: sum_over_ranks, gather_parts, min_over_ranks, share_error, do_ranks_meet, abort_ranks
+  public :: begin_ranks, end_ranks, join_ranks, leave_ranks, this_rank, n_ranks, is_first_rank
+  public :: sum_over_ranks, gather_parts, min_over_ranks, share_error, check_agreement, is_shared_by_ranks, abort_ranks
+
+  real(DP), parameter :: SECONDS_TO_MEET = 15.0_DP   !< in which an error that all ranks share reaches all [s]
+  ! Of amontons_ranks_join.
+  integer(c_int), parameter :: JOIN_DONE = 0, JOIN_WITHOUT_MPI = 1, JOIN_NOT_RUNNING = 2, JOIN_NO_MEMBER = 3
 
   !> The sum of an array over the ranks, rank by rank: the same bits on all ranks and in every run with as many.
   interface sum_over_ranks
@@ -26,6 +30,16 @@ module amontons_mpi_ranks
     !> Ends it.
     subroutine end_ranks() bind(C, name='amontons_ranks_end')
     end subroutine end_ranks
+
+    function join_c(has_communicator, handle) bind(C, name='amontons_ranks_join') result(status)
+      import :: c_int
+      integer(c_int), value :: has_communicator, handle
+      integer(c_int) :: status
+    end function join_c
+
+    !> A job that joined is closed.
+    subroutine leave_ranks() bind(C, name='amontons_ranks_leave')
+    end subroutine leave_ranks
 
     function rank_c() bind(C, name='amontons_rank') result(rank)
       import :: c_int
@@ -74,6 +88,33 @@ module amontons_mpi_ranks
   end interface
 
 contains
+
+  !> A job of a calling program joins the ranks of a communicator, or stays alone without one; leave_ranks ends that.
+  !! Errors: EXIT_USAGE, on the ranks that have it.
+  subroutine join_ranks(error, communicator)
+    type(error_type), allocatable, intent(out) :: error
+    integer, intent(in), optional :: communicator  !< a Fortran handle (comm%MPI_VAL of mpi_f08, MPI_Comm_c2f in C)
+    integer(c_int) :: status
+    if (present(communicator)) then
+      status = join_c(1_c_int, int(communicator, c_int))
+    else
+      status = join_c(0_c_int, 0_c_int)
+    end if
+    select case (status)
+    case (JOIN_DONE)
+    case (JOIN_WITHOUT_MPI)
+      call set_error(error, EXIT_USAGE, 'This library has one rank; libamontons-mpi (make MPI=1) takes a communicator.')
+    case (JOIN_NOT_RUNNING)
+      call set_error(error, EXIT_USAGE, 'MPI does not run: call MPI_Init before a job is opened on a communicator.')
+    case (JOIN_NO_MEMBER)
+      call set_error(error, EXIT_USAGE, 'This process is not in the communicator (MPI_COMM_NULL), or it is an ' // &
+        'intercommunicator: only the ranks of an intracommunicator open a job.')
+    case default
+      call set_error(error, EXIT_USAGE, 'A process has one communicator at a time: close its jobs on other ranks, ' // &
+        'and those without a communicator, first.')
+    end select
+  end subroutine join_ranks
+
 
   !> Number of this process, from 0.
   integer function this_rank()
@@ -168,11 +209,26 @@ contains
   end subroutine broadcast_text
 
 
-  !> Whether all ranks come here within so many seconds: .false. on a rank whose error the others do not share.
-  logical function do_ranks_meet(seconds)
-    real(DP), intent(in) :: seconds                !< [s]
-    do_ranks_meet = meet_c(real(seconds, c_double)) /= 0
-  end function do_ranks_meet
+  !> Checks that all ranks give the same numbers. Errors: EXIT_USAGE on all.
+  subroutine check_agreement(x, what, error)
+    real(DP), intent(in) :: x(:)
+    character(*), intent(in) :: what               !< of the numbers, to follow 'different'
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    logical :: is_equal
+    if (n_ranks_c() == 1) return
+    is_equal = abs(min_over_ranks(real(size(x), DP)) + min_over_ranks(-real(size(x), DP))) < 0.5_DP
+    do i = 1, merge(size(x), 0, is_equal)
+      if (abs(min_over_ranks(x(i)) + min_over_ranks(-x(i))) > 0.0_DP) is_equal = .false.
+    end do
+    if (.not. is_equal) call set_error(error, EXIT_USAGE, 'The ranks give different ' // what // '.')
+  end subroutine check_agreement
+
+
+  !> Whether all ranks come here soon: .false. on a rank whose error the others do not share, as they wait for it elsewhere.
+  logical function is_shared_by_ranks()
+    is_shared_by_ranks = meet_c(real(SECONDS_TO_MEET + real(this_rank(), DP), c_double)) /= 0
+  end function is_shared_by_ranks
 
 
   !> Ends the processes of all ranks.

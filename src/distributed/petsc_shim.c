@@ -2,7 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later
  *
  * Sums have a fixed order: each rank adds one part of the array, rank by rank, and passes it on to all. PETSc's matrix is assembled
- * from entries of the rank's own rows. The kinds of solver are those of distributed_solver.f90. */
+ * from entries of the rank's own rows. The kinds of solver are those of distributed_solver.f90.
+ *
+ * A process has one communicator at a time: that of the program, or that of the jobs which a calling program has open. */
 #define _GNU_SOURCE
 #include "distributed_shim.h"
 #include <fenv.h>
@@ -13,6 +15,7 @@
 
 enum { GAMG = 1, HYPRE = 2, MUMPS = 3 };
 enum { DONE = 0, BROKEN = 1, FAILED = 2 };
+enum { JOIN_DONE = 0, JOIN_NOT_RUNNING = 2, JOIN_NO_MEMBER = 3, JOIN_OTHER = 4 }; /* of mpi_ranks.f90 */
 enum { N_MOTIONS = 6, BLOCK = 1 << 16 };
 static const double SMALLEST_MOTION = 1.0e-8; /* of a rigid motion beside those before it */
 
@@ -24,6 +27,9 @@ typedef struct {
   Vec b, x;
 } solver;
 
+static MPI_Comm communicator = MPI_COMM_NULL; /* of the ranks; null: this process is the only one */
+static int n_jobs = 0;                        /* that joined it */
+
 static int is_running(void)
 {
   int begun = 0, ended = 0;
@@ -32,33 +38,85 @@ static int is_running(void)
   return begun && !ended;
 }
 
+static int has_ranks(void) { return communicator != MPI_COMM_NULL && is_running(); }
+
+/* Without the handlers of PETSc: signals and errors are the program's. */
+static void begin_petsc(void)
+{
+  PetscInitializeNoArguments();
+  PetscPopSignalHandler();
+  PetscPushErrorHandler(PetscReturnErrorHandler, NULL);
+}
+
 void amontons_ranks_begin(void)
 {
   int provided;
   MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided);
-  PetscInitializeNoArguments();
-  PetscPopSignalHandler(); /* signals are the program's */
-  PetscPushErrorHandler(PetscReturnErrorHandler, NULL);
+  MPI_Comm_dup(MPI_COMM_WORLD, &communicator);
+  begin_petsc();
 }
 
 void amontons_ranks_end(void)
 {
   if (!is_running()) return;
   PetscFinalize();
+  if (communicator != MPI_COMM_NULL) MPI_Comm_free(&communicator);
   MPI_Finalize();
+}
+
+/* Whether the jobs that are open have the ranks of this communicator, in its order. */
+static int is_joined(MPI_Comm wanted)
+{
+  int result = MPI_UNEQUAL;
+  if (wanted == MPI_COMM_NULL || communicator == MPI_COMM_NULL) return wanted == communicator;
+  MPI_Comm_compare(wanted, communicator, &result);
+  return result == MPI_IDENT || result == MPI_CONGRUENT;
+}
+
+/* PETSc begins with the process alone, so that no rank outside of the communicator has to take part; its objects name theirs. */
+int amontons_ranks_join(int has_communicator, int handle)
+{
+  MPI_Comm wanted = MPI_COMM_NULL;
+  PetscBool is_begun = PETSC_FALSE;
+  int is_inter = 0;
+  if (has_communicator) {
+    if (!is_running()) return JOIN_NOT_RUNNING;
+    wanted = MPI_Comm_f2c(handle);
+    if (wanted == MPI_COMM_NULL) return JOIN_NO_MEMBER;
+    MPI_Comm_test_inter(wanted, &is_inter);
+    if (is_inter) return JOIN_NO_MEMBER;
+  }
+  if (n_jobs > 0) {
+    if (!is_joined(wanted)) return JOIN_OTHER;
+  } else if (has_communicator) {
+    MPI_Comm_dup(wanted, &communicator);
+    PetscInitialized(&is_begun);
+    if (!is_begun) {
+      PETSC_COMM_WORLD = MPI_COMM_SELF;
+      begin_petsc();
+    }
+  }
+  n_jobs++;
+  return JOIN_DONE;
+}
+
+void amontons_ranks_leave(void)
+{
+  if (n_jobs > 0) n_jobs--;
+  if (n_jobs == 0 && has_ranks()) MPI_Comm_free(&communicator);
 }
 
 int amontons_rank(void)
 {
   int rank = 0;
-  if (is_running()) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  if (has_ranks()) MPI_Comm_rank(communicator, &rank);
   return rank;
 }
 
 int amontons_n_ranks(void)
 {
   int n = 1;
-  if (is_running()) MPI_Comm_size(MPI_COMM_WORLD, &n);
+  if (has_ranks()) MPI_Comm_size(communicator, &n);
   return n;
 }
 
@@ -85,13 +143,13 @@ void amontons_ranks_sum(double *x, int64_t n)
       own_count[r] = own;
       own_first[r] = r * own;
     }
-    MPI_Alltoallv(x + start, count, first, MPI_DOUBLE, parts, own_count, own_first, MPI_DOUBLE, MPI_COMM_WORLD);
+    MPI_Alltoallv(x + start, count, first, MPI_DOUBLE, parts, own_count, own_first, MPI_DOUBLE, communicator);
     for (int k = 0; k < own; k++) {
       double sum = parts[k];
       for (int r = 1; r < size; r++) sum += parts[(size_t)r * (size_t)own + (size_t)k];
       parts[k] = sum;
     }
-    MPI_Allgatherv(parts, own, MPI_DOUBLE, x + start, count, first, MPI_DOUBLE, MPI_COMM_WORLD);
+    MPI_Allgatherv(parts, own, MPI_DOUBLE, x + start, count, first, MPI_DOUBLE, communicator);
   }
 }
 
@@ -102,18 +160,18 @@ void amontons_ranks_gather(double *x, const int *counts)
   int first[size];
   first[0] = 0;
   for (int r = 1; r < size; r++) first[r] = first[r - 1] + counts[r - 1];
-  MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, x, counts, first, MPI_DOUBLE, MPI_COMM_WORLD);
+  MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, x, counts, first, MPI_DOUBLE, communicator);
 }
 
 double amontons_ranks_min(double x)
 {
-  if (amontons_n_ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_DOUBLE, MPI_MIN, MPI_COMM_WORLD);
+  if (amontons_n_ranks() > 1) MPI_Allreduce(MPI_IN_PLACE, &x, 1, MPI_DOUBLE, MPI_MIN, communicator);
   return x;
 }
 
 void amontons_ranks_broadcast(char *bytes, int n, int root)
 {
-  if (amontons_n_ranks() > 1) MPI_Bcast(bytes, n, MPI_CHAR, root, MPI_COMM_WORLD);
+  if (amontons_n_ranks() > 1) MPI_Bcast(bytes, n, MPI_CHAR, root, communicator);
 }
 
 /* A barrier that no rank waits for without end: one that failed alone comes here while the others wait elsewhere. */
@@ -123,7 +181,7 @@ int amontons_ranks_meet(double seconds)
   MPI_Request request;
   int is_met = 0;
   const struct timespec pause = {0, 10000000};
-  if (MPI_Ibarrier(MPI_COMM_WORLD, &request) != MPI_SUCCESS) return 0;
+  if (MPI_Ibarrier(communicator, &request) != MPI_SUCCESS) return 0;
   for (double waited = 0; waited < seconds && !is_met; waited += 0.01) {
     MPI_Test(&request, &is_met, MPI_STATUS_IGNORE);
     if (!is_met) nanosleep(&pause, NULL);
@@ -137,7 +195,7 @@ void amontons_ranks_abort(int code)
   exit(code);
 }
 
-int amontons_solver_exists(void) { return 1; }
+int amontons_solver_exists(void) { return has_ranks(); }
 
 /* The near null space of AMG: rigid motions at the free unknowns, orthonormal; those that depend on others are left out. */
 static PetscErrorCode attach_motions(solver *self, const double *motions)
@@ -168,7 +226,7 @@ static PetscErrorCode attach_motions(solver *self, const double *motions)
     }
   }
   if (n_kept == 0) return 0;
-  PetscCall(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, n_kept, kept, &space));
+  PetscCall(MatNullSpaceCreate(communicator, PETSC_FALSE, n_kept, kept, &space));
   PetscCall(MatSetNearNullSpace(self->matrix, space));
   PetscCall(MatNullSpaceDestroy(&space));
   for (PetscInt k = 0; k < n_kept; k++) PetscCall(VecDestroy(&kept[k]));
@@ -187,7 +245,7 @@ static PetscErrorCode choose(solver *self)
   PC pc;
   for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)
     PetscCall(PetscOptionsSetValue(NULL, settings[k][0], settings[k][1]));
-  PetscCall(KSPCreate(PETSC_COMM_WORLD, &self->ksp));
+  PetscCall(KSPCreate(communicator, &self->ksp));
   PetscCall(KSPSetOptionsPrefix(self->ksp, "amontons_"));
   PetscCall(KSPSetOperators(self->ksp, self->matrix, self->matrix));
   PetscCall(KSPSetType(self->ksp, KSPCG));
@@ -213,7 +271,7 @@ static PetscErrorCode create(solver *self, PetscCount n_entries, const int *row,
     i[k] = row[k];
     j[k] = column[k];
   }
-  PetscCall(MatCreate(PETSC_COMM_WORLD, &self->matrix));
+  PetscCall(MatCreate(communicator, &self->matrix));
   PetscCall(MatSetSizes(self->matrix, self->n, self->n, PETSC_DETERMINE, PETSC_DETERMINE));
   PetscCall(MatSetType(self->matrix, MATAIJ));
   PetscCall(MatSetBlockSize(self->matrix, 3));

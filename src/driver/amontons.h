@@ -6,7 +6,9 @@
  *
  * Every function returns a status, which is the exit code of the program; amontons_message returns the error message. The
  * library prints nothing, never ends the process, and has no data outside the job: jobs may run concurrently, each in one
- * thread at a time. */
+ * thread at a time.
+ *
+ * libamontons-mpi (make MPI=1) has the same functions, and amontons_open_on opens a job on several ranks. */
 #ifndef AMONTONS_H
 #define AMONTONS_H
 #include <stdint.h>
@@ -70,6 +72,11 @@ int amontons_classify(int64_t n, const double *tangential, const double *normal_
 
 /* Opens a job. It has the message, and must be closed, even after an error; NULL: no memory. */
 int amontons_open(const amontons_options *options, amontons_job **job);
+
+/* The same on the ranks of a communicator, given as MPI_Comm_c2f(comm); MPI runs. All its ranks call, from one thread, the same
+ * functions with the same arguments, and get the same values, statuses and messages; the first has the log and writes the
+ * files. A process has one communicator at a time. libamontons, which has one rank, returns AMONTONS_USAGE. */
+int amontons_open_on(const amontons_options *options, int communicator, amontons_job **job);
 void amontons_close(amontons_job *job);
 const char *amontons_message(const amontons_job *job); /* of the last call that failed; valid until the next */
 int amontons_is_done(const amontons_job *job);         /* 1: all steps are done */

@@ -11,9 +11,10 @@ module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_NOT_CONVERGED, EXIT_SOLVER, &
     EXIT_INTERNAL
-  use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
+  use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory, &
+    checksum_of_text
   use amontons_version, only: VERSION
-  use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error
+  use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error, check_agreement
   use amontons_assembly, only: share_points
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
@@ -145,11 +146,15 @@ contains
   end function needs_trial_points
 
 
-  !> What several ranks cannot do. User routines keep data of their own between calls.
+  !> What several ranks cannot do: different decks, and user routines, which keep data of their own between calls.
   subroutine check_ranks(model, options, error)
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: checksum
+    checksum = checksum_of_text(model%deck_text)
+    call check_agreement([real(ibits(checksum, 0, 32), DP), real(ibits(checksum, 32, 32), DP)], 'decks', error)
+    if (allocated(error)) return
     if (allocated(options%user) .or. any(model%materials%is_user)) call set_error(error, EXIT_USAGE, &
       'User routines run with one rank; the job has ' // to_text(n_ranks()) // '.')
   end subroutine check_ranks

@@ -125,6 +125,24 @@ contains
   integer(c_int) function capi_open(options, handle) bind(C, name='amontons_open') result(status)
     type(c_ptr), value :: options                  !< amontons_options
     type(c_ptr), intent(out), optional :: handle   !< optional like all output arguments here: NULL is allowed
+    status = open_handle(options, handle)
+  end function capi_open
+
+
+  !> Opens a job on the ranks of a communicator.
+  integer(c_int) function capi_open_on(options, communicator, handle) bind(C, name='amontons_open_on') result(status)
+    type(c_ptr), value :: options                  !< amontons_options
+    integer(c_int), value :: communicator          !< MPI_Comm_c2f of an MPI_Comm
+    type(c_ptr), intent(out), optional :: handle
+    status = open_handle(options, handle, int(communicator))
+  end function capi_open_on
+
+
+  !> Allocates a handle and opens its job.
+  integer(c_int) function open_handle(options, handle, communicator) result(status)
+    type(c_ptr), intent(in) :: options             !< amontons_options
+    type(c_ptr), intent(out), optional :: handle
+    integer, intent(in), optional :: communicator
     type(options_type), pointer :: given
     type(handle_type), pointer :: self
     type(job_options_type) :: wanted
@@ -147,13 +165,13 @@ contains
       log_sink%log = given%log
       log_sink%context = given%context
       if (c_associated(given%log)) then
-        call open_job(self%job, wanted, error, log_sink)
+        call open_job(self%job, wanted, error, log_sink, communicator)
       else
-        call open_job(self%job, wanted, error)
+        call open_job(self%job, wanted, error, communicator=communicator)
       end if
     end if
     status = status_of(self, error)
-  end function capi_open
+  end function open_handle
 
 
   !> Converts the options of C. Errors: another binary interface, an unknown dialect.

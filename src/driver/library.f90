@@ -6,11 +6,15 @@
 !! Solution starts from the last commit. `try_job` and `iterate_job` solve without a commit: the caller can inspect their
 !! result, then keep it (`commit_job`) or discard it (`rollback_job`). `advance_job` solves and commits. The library prints nothing
 !! without a log_sink, never stops the program, and has no data outside the job.
+!!
+!! A job on several ranks is opened with a communicator. Then all ranks call the same procedures with the same arguments, and get
+!! the same values and errors; the first rank has the log and writes the files.
 module amontons_library
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_USAGE, EXIT_DECK, EXIT_NOT_CONVERGED
   use amontons_text, only: name_key, to_text, NEWLINE
-  use amontons_posix, only: process_lock_type, acquire_lock
+  use amontons_posix, only: process_lock_type, acquire_lock, checksum_of_words
+  use amontons_mpi_ranks, only: join_ranks, leave_ranks, n_ranks, is_first_rank, check_agreement, is_shared_by_ranks
   use amontons_logger, only: logger_type, log_sink_type, open_logger, PROGRESS_PLAIN
   use amontons_model, only: job_options_type
   use amontons_increment_control, only: propose_increment
@@ -22,6 +26,7 @@ module amontons_library
     slip_result_type, &
     STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
   use amontons_user_routine_setup, only: close_user_routines
+  use amontons_assembly, only: share_points
   use amontons_equilibrium, only: evaluate_equilibrium, OUTCOME_OK
   use amontons_newton_step, only: linearize_equilibrium
   use amontons_tangent_solution, only: assemble_tangent_matrix
@@ -47,6 +52,7 @@ module amontons_library
     type(logger_type) :: logger
     logical :: is_ready = .false.                  !< started and not finished
     logical :: is_begun = .false.                  !< the attempt started by begin_job has not ended
+    logical :: is_joined = .false.                 !< it has the ranks of the process, and leaves them when it is closed
   end type job_type
 
   !> Log sink that discards its lines.
@@ -60,12 +66,14 @@ contains
   !> Starts a job from options%deck (a file) or options%deck_text (memory).
   !!
   !! Errors: EXIT_USAGE, EXIT_DECK (the message contains all errors of the deck), EXIT_SETUP, EXIT_IO, EXIT_SOLVER.
-  subroutine open_job(job, options, error, log_sink)
+  subroutine open_job(job, options, error, log_sink, communicator)
     type(job_type), intent(inout) :: job
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
     class(log_sink_type), intent(in), target, optional :: log_sink   !< receives the log; `target` as it may point
+    integer, intent(in), optional :: communicator  !< of MPI, a Fortran handle: all its ranks open the job (libamontons-mpi)
     type(job_options_type) :: whole
+    logical :: is_heard
     type(process_lock_type) :: turn
     call acquire_lock(turn)
     whole = options
@@ -73,16 +81,35 @@ contains
       call set_error(error, EXIT_USAGE, 'A job needs a deck: a file or a text.')
       return
     end if
+    call join_ranks(error, communicator)
+    if (allocated(error)) return
+    job%is_joined = .true.
     if (.not. allocated(whole%job)) call derive_job_name(whole)
-    if (present(log_sink)) then
+    is_heard = present(log_sink)
+    if (is_heard) is_heard = is_first_rank()
+    if (is_heard) then
       call open_logger(job%logger, .false., PROGRESS_PLAIN, log_sink=log_sink)
     else
       call open_logger(job%logger, .true., PROGRESS_PLAIN, log_sink=null_sink_type())
     end if
     call start_analysis(job%analysis, whole, job%logger, error)
     job%is_ready = .not. (allocated(error) .or. job%analysis%options%is_check)
-    if (allocated(error)) call append_deck_errors(job, error)
+    if (.not. allocated(error)) return
+    call append_deck_errors(job, error)
+    call report_alone(error)
+    job%is_joined = .false.
+    call leave_ranks()
   end subroutine open_job
+
+
+  !> Says so in an error that the other ranks of the job do not share: they wait somewhere without end.
+  subroutine report_alone(error)
+    type(error_type), allocatable, intent(inout) :: error
+    if (.not. allocated(error)) return
+    if (n_ranks() == 1) return
+    if (.not. is_shared_by_ranks()) error%message = error%message // ' The other ranks do not have this error and wait: end ' // &
+      'the processes of all (MPI_Abort).'
+  end subroutine report_alone
 
 
   !> Derives name and result folder of the job from its deck.
@@ -147,6 +174,7 @@ contains
     if (allocated(error)) return
     call activate_targets(job, next_length(job))
     call advance_analysis(job%analysis, job%logger, is_done, error)
+    call report_alone(error)
     call finish_commit(job, error)
   end subroutine advance_job
 
@@ -162,6 +190,8 @@ contains
       call set_error(error, EXIT_USAGE, 'The time to advance to is not a finite number.')
       return
     end if
+    call check_agreement([total_time], 'times to advance to', error)
+    if (allocated(error)) return
     do while (.not. is_job_done(job))
       if (total_time - job%analysis%stepping%total_time <= TOL_TIME * max(abs(total_time), time_left_in_step(job%analysis))) exit
       call check_ready(job, .false., error)
@@ -169,6 +199,7 @@ contains
       call activate_targets(job, total_time - job%analysis%stepping%total_time)
       call solve_increment(job%analysis, job%logger, end_in_step(job, total_time - job%analysis%stepping%total_time), error)
       if (.not. allocated(error)) call commit_analysis(job%analysis, job%logger, error)
+      call report_alone(error)
       call finish_commit(job, error)
       if (allocated(error)) return
     end do
@@ -198,6 +229,7 @@ contains
         call activate_targets(job, end_time - analysis%stepping%step_time)
       end do
     end associate
+    call report_alone(error)
     if (allocated(error)) call rollback_after_error(job)
   end subroutine try_job
 
@@ -216,6 +248,7 @@ contains
     length = end_in_step(job, dt) - time_in_step(job%analysis)
     call activate_targets(job, length)
     call begin_trial(job%analysis, length, error)
+    call report_alone(error)
     job%is_begun = .not. allocated(error)
   end subroutine begin_job
 
@@ -234,6 +267,8 @@ contains
     end if
     call use_threads(job%analysis%options%n_threads)
     call iterate_trial(job%analysis, job%logger, verdict, error)
+    call report_alone(error)
+    if (.not. allocated(error)) call share_points(job%analysis%system%assembly, job%analysis%model%mesh, job%analysis%state%new)
     if (allocated(error)) call rollback_after_error(job)
     if (verdict /= VERDICT_CONTINUE) job%is_begun = .false.
   end subroutine iterate_job
@@ -256,6 +291,7 @@ contains
       end if
     end if
     call commit_analysis(job%analysis, job%logger, error)
+    call report_alone(error)
     call finish_driven(job%analysis%driven_loads)
   end subroutine commit_job
 
@@ -280,6 +316,7 @@ contains
     job%is_ready = .false.
     job%is_begun = .false.
     call finish_analysis(job%analysis, job%logger, error)
+    call report_alone(error)
   end subroutine finish_job
 
 
@@ -291,6 +328,9 @@ contains
     call acquire_lock(turn)
     call finish_job(job, error)
     call close_user_routines(job%analysis%model)
+    if (.not. job%is_joined) return
+    job%is_joined = .false.
+    call leave_ranks()
   end subroutine close_job
 
 
@@ -319,11 +359,14 @@ contains
   end subroutine check_ready
 
 
-  !> Checks a time increment: positive, and not negligible relative to the period of the step. Errors: EXIT_USAGE.
+  !> Checks a time increment: positive, and not negligible relative to the period of the step; the same on all ranks.
+  !! Errors: EXIT_USAGE.
   subroutine check_increment(job, dt, error)
     type(job_type), intent(in) :: job
     real(DP), intent(in) :: dt                     !< [time]
     type(error_type), allocatable, intent(inout) :: error
+    call check_agreement([dt], 'time steps', error)
+    if (allocated(error)) return
     if (.not. dt >= TOL_TIME * job%analysis%model%steps(current_step(job%analysis))%period) call set_error(error, EXIT_USAGE, &
       'A time step must be positive, and at least 1e-9 of the period of the step.')
   end subroutine check_increment
@@ -407,15 +450,18 @@ contains
     type(job_type), intent(inout) :: job
     character(*), intent(in) :: quantity
     character(*), intent(in) :: set                !< node set, surface, label of a node, or interaction
-    real(DP), intent(in) :: values(:)              !< component by component of each row
+    real(DP), intent(in) :: values(:)              !< component by component of each row; the same on all ranks
     type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: checksum
     type(process_lock_type) :: turn
     call acquire_lock(turn)
-    if (job%is_ready) then
-      call set_driven_values(job%analysis, quantity, set, values, error)
-    else
+    if (.not. job%is_ready) then
       call set_error(error, EXIT_USAGE, 'The job has not begun or is finished.')
+      return
     end if
+    checksum = checksum_of_words(transfer(values, [0_I64]))
+    call check_agreement([real(ibits(checksum, 0, 32), DP), real(ibits(checksum, 32, 32), DP)], 'values of ' // quantity, error)
+    if (.not. allocated(error)) call set_driven_values(job%analysis, quantity, set, values, error)
   end subroutine set_values
 
 

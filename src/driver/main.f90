@@ -2,7 +2,6 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program amontons
   use omp_lib, only: omp_get_max_threads
-  use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SUCCESS, EXIT_USAGE, EXIT_IO
   use amontons_posix, only: restart_passive_threads, set_exit_handler, end_process, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
@@ -13,7 +12,7 @@ program amontons
   use amontons_model_setup, only: add_general_contact
   use amontons_job_estimate, only: estimate_job, job_estimate_type, describe_estimate
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
-  use amontons_mpi_ranks, only: begin_ranks, end_ranks, this_rank, n_ranks, is_first_rank, do_ranks_meet, abort_ranks
+  use amontons_mpi_ranks, only: begin_ranks, end_ranks, n_ranks, is_first_rank, is_shared_by_ranks, abort_ranks
   use amontons_distributed_solver, only: has_distributed_solvers
   implicit none
 
@@ -22,8 +21,6 @@ program amontons
 
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4, &
     ACTION_ESTIMATE = 5
-
-  real(DP), parameter :: SECONDS_TO_MEET = 15.0_DP   !< in which an error that all ranks share reaches all [s]
 
   !> Options of the command line.
   type :: command_type
@@ -104,7 +101,7 @@ contains
   subroutine end_alone(error)
     type(error_type), intent(in) :: error
     type(logger_type) :: logger
-    if (do_ranks_meet(SECONDS_TO_MEET + real(this_rank(), DP))) return
+    if (is_shared_by_ranks()) return
     call set_exit_handler(.false.)
     call open_logger(logger, .true., PROGRESS_NONE)
     call logger%fail(error%message)
