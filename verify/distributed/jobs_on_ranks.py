@@ -112,7 +112,7 @@ def errors(comm: object, folder: Path) -> dict[str, np.ndarray]:
         found["not converged"] = message_of(lambda: job.try_step(1.0))
         job.set("U3", "UPPER_TOP", -0.001)
         job.try_step(0.1)
-        found["goes on"] = f"{job.time:.12g}"
+        found["continues"] = f"{job.time:.12g}"
     return {name: np.array(text) for name, text in found.items()} | {"heard": np.array(len(heard))}
 
 

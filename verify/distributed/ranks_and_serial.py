@@ -1,10 +1,15 @@
 """The same decks by amontons and by amontons-mpi on several ranks: statuses, increments, iterations, displacements and reactions.
 
-    python -m verify.distributed.ranks_and_serial [--ranks 1 2 4] [--every 1] [--only WORD] [--solver GAMG|HYPRE|MUMPS]
+    python -m verify.distributed.ranks_and_serial [--cases] [--ranks 1 2 4] [--every 1] [--first 0] [--only WORD] [--solver GAMG|HYPRE|MUMPS]
+                                                  [--seconds 60] [--rows FILE]
 
 The decks are the generated ones of `verify.decks` (features, mixed, behaviours: all elements, laws, formulations, constraints, outputs),
-in the calculix dialect. Prints a table in Markdown, a row for each number of ranks, and the decks that differ. With --solver every *STATIC requests
-that solver on the ranks, and the serial program chooses as ever. Differences are over the largest value of the job.
+in the calculix dialect; with --cases those of all verification cases (`verify/cases`), in theirs. Prints a table in Markdown, a row for each number
+of ranks, and the decks that differ. With --solver every *STATIC requests that solver on the ranks, and the serial program chooses as ever. Differences
+are over the largest value of the job. Decks on which the serial program takes longer than --seconds are left out and counted. --every N --first K
+takes every N-th deck (case) from the K-th on, and --rows appends a line for each comparison to a file, so that the table can be made in pieces:
+
+    python -m verify.distributed.ranks_and_serial --table FILE
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -20,7 +25,9 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from inspect import signature
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -32,6 +39,7 @@ COUNTS = ("step", "increment", "attempt", "is_converged", "n_iterations", "n_sta
 FIELDS = ("U", "RF")
 TOLERANCE = 1e-10  #: of a field over its largest value: sums in another order, times the condition of the job
 TIME_LIMIT = 300
+EXIT_TIME = -1  #: exit code of a job that was stopped after its time
 DIALECT = "--dialect=calculix"  #: of the generated decks
 
 
@@ -63,19 +71,22 @@ def program(name: str) -> Path:
     return ROOT / os.environ.get("AMONTONS_BIN", "bin") / name
 
 
-def run(folder: Path, deck: str, n_ranks: int, *options: str) -> Outcome:
+def run(folder: Path, deck: str, n_ranks: int, *options: str, seconds: float = TIME_LIMIT) -> Outcome:
     """Runs a deck as folder/job.inp: on ranks, or by the serial program (0)."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "job.inp").write_text(deck)
-    return execute(folder, n_ranks, *options)
+    return execute(folder, n_ranks, *options, seconds=seconds)
 
 
-def execute(folder: Path, n_ranks: int, *options: str) -> Outcome:
+def execute(folder: Path, n_ranks: int, *options: str, seconds: float = TIME_LIMIT) -> Outcome:
     """Runs folder/job.inp."""
     command = [str(program("amontons")), *options, "job"]
     if n_ranks:
         command = ["mpiexec", "-n", str(n_ranks), str(program("amontons-mpi")), *options, "job"]
-    done = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True, timeout=TIME_LIMIT, check=False)
+    try:
+        done = subprocess.run(command, cwd=folder, env=environment(), capture_output=True, text=True, timeout=seconds, check=False)
+    except subprocess.TimeoutExpired:
+        return Outcome(EXIT_TIME, f"stopped after {seconds:g} s")
     outcome = Outcome(done.returncode, re.sub(r"\x1b\[\d*[mK]", "", done.stdout + done.stderr))
     path = folder / "job.vtkhdf"
     if path.exists():
@@ -118,37 +129,144 @@ def all_decks() -> dict[str, str]:
     }
 
 
+@dataclass(frozen=True)
+class Row:
+    """A comparison."""
+
+    deck: str
+    n_ranks: int
+    code: int  #: exit code of the serial program
+    what: str  #: that differs; "": nothing
+    worst: float  #: difference of a field over its largest value
+
+
+@dataclass
+class Comparison:
+    """Runs decks both ways and keeps a row for each."""
+
+    folder: Path
+    ranks: list[int]
+    solver: str
+    seconds: float
+    record: Path | None
+    rows: list[Row] = field(default_factory=list)
+
+    def compare(self, name: str, deck: str, *options: str) -> Path:
+        """A deck; the folder of the serial job, which has its results."""
+        serial_folder = self.folder / re.sub(r"\W+", "-", name)
+        serial = run(serial_folder, deck, 0, *options, seconds=self.seconds)
+        if serial.code == EXIT_TIME:
+            self.add(Row(name, 0, EXIT_TIME, serial.text, 0.0))
+            return serial_folder
+        for n in self.ranks:
+            what, worst = difference(serial, run(self.folder / "ranks", with_solver(deck, self.solver), n, *options))
+            self.add(Row(name, n, serial.code, what, worst))
+            shutil.rmtree(self.folder / "ranks")
+        return serial_folder
+
+    def add(self, row: Row) -> None:
+        """Keeps a row; what differs is told at once."""
+        self.rows.append(row)
+        if row.n_ranks and is_unequal(row):
+            print(describe(row), file=sys.stderr, flush=True)
+        if self.record:
+            with self.record.open("a") as file:
+                file.write(f"{row.deck}\t{row.n_ranks}\t{row.code}\t{row.what}\t{row.worst:.3e}\n")
+
+
+def is_unequal(row: Row) -> bool:
+    """Whether counts, statuses or fields differ."""
+    return row.what != "" or row.worst > TOLERANCE
+
+
+def describe(row: Row) -> str:
+    """A row that differs, in words."""
+    return f"{row.deck} on {row.n_ranks}: {row.what or f'fields by {row.worst:.1e}'}"
+
+
+def read_rows(path: Path) -> list[Row]:
+    """The rows of a file; of a comparison that was repeated the last."""
+    found: dict[tuple[str, int], Row] = {}
+    for line in path.read_text().splitlines():
+        deck, n, code, what, worst = line.split("\t")
+        found[deck, int(n)] = Row(deck, int(n), int(code), what, float(worst))
+    return list(found.values())
+
+
+def print_table(rows: Sequence[Row]) -> None:
+    """The table, the exit codes and what differs."""
+    print("| ranks | decks | equal statuses, increments, iterations | largest difference of displacements and reactions |")
+    print("|---|---|---|---|")
+    for n in sorted({row.n_ranks for row in rows if row.n_ranks}):
+        mine = [row for row in rows if row.n_ranks == n]
+        print(f"| {n} | {len(mine)} | {sum(row.what == '' for row in mine)} | {max(row.worst for row in mine):.1e} |")
+    codes = {row.deck: row.code for row in rows}.values()
+    ends = {code: list(codes).count(code) for code in sorted(set(codes))}
+    print(f"\nExit codes of the serial program and how often ({EXIT_TIME}: took too long, left out): {ends}")
+    print("\n".join(describe(row) for row in rows if row.n_ranks and is_unequal(row)))
+
+
+def compare_cases(comparison: Comparison, every: int, first: int, only: str) -> None:
+    """The decks of all verification cases; a case that fails by itself is told and left to verify/cases."""
+    from verify.cases.proof import Case, Job
+    from verify.invariance.test_every_case import cases
+
+    class Compared(Case):
+        """A case whose jobs are compared, and whose own checks are not judged again."""
+
+        def run(self, deck: str, name: str = "job", requested: int = 0, threads: int = 1) -> Job:
+            """A deck both ways; the job of the serial program."""
+            del requested, threads
+            folder = comparison.compare(f"{self.name} {name}", deck)
+            return Job(folder / "job.vtkhdf", name)
+
+        def done(self) -> None:
+            """Nothing: verify/cases judges the case."""
+
+    def run_program(words: Sequence[str | Path], cwd: Path | None = None, threads: int = 1) -> subprocess.CompletedProcess[str]:
+        del threads
+        command = [str(program("amontons")), *map(str, words)]
+        return subprocess.run(command, cwd=cwd, env=environment(), capture_output=True, text=True, timeout=TIME_LIMIT, check=False)
+
+    for case in [case for case in cases() if only in str(case.id)][first::every]:
+        function, values = case.values
+        with tempfile.TemporaryDirectory() as work:
+            comparison.folder = Path(work)
+            fixtures = {
+                "proof": lambda name, **words: Compared(name, runner=run_program, work=Path(work), pages=None, **words),  # noqa: B023
+                "run": run_program, "tmp_path": Path(work), "request": SimpleNamespace(),
+            }  # fmt: skip
+            try:
+                function(**values, **{name: fixture for name, fixture in fixtures.items() if name in signature(function).parameters})
+            except Exception as error:  # noqa: BLE001
+                print(f"{case.id} ends early: {type(error).__name__}: {str(error)[:120]}", file=sys.stderr, flush=True)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cases", action="store_true")
     parser.add_argument("--ranks", nargs="*", type=int, default=[1, 2, 4])
     parser.add_argument("--every", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--only", default="")
     parser.add_argument("--solver", default="")
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--rows", type=Path)
+    parser.add_argument("--table", type=Path)
     options = parser.parse_args(arguments)
-    decks = {name: text for name, text in list(all_decks().items())[:: options.every] if options.only in name}
-    rows = {n: [0, 0, 0.0] for n in options.ranks}
-    unequal = []
-    ends: dict[int, int] = {}
+    if options.table:
+        print_table(read_rows(options.table))
+        return 0
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in decks.items():
-            serial = run(Path(folder) / "serial", text, 0, DIALECT)
-            ends[serial.code] = ends.get(serial.code, 0) + 1
-            for n in options.ranks:
-                what, worst = difference(serial, run(Path(folder) / "ranks", with_solver(text, options.solver), n, DIALECT))
-                rows[n][0] += 1
-                rows[n][1] += what == ""
-                rows[n][2] = max(rows[n][2], worst)
-                if what or worst > TOLERANCE:
-                    unequal.append(f"{name} on {n}: {what or f'fields by {worst:.1e}'}")
-                    print(unequal[-1], file=sys.stderr, flush=True)
-                shutil.rmtree(Path(folder) / "ranks")
-            shutil.rmtree(Path(folder) / "serial")
-    print("| ranks | decks | equal statuses, increments, iterations | largest difference of displacements and reactions |")
-    print("|---|---|---|---|")
-    for n, (count, equal, worst) in rows.items():
-        print(f"| {n} | {count} | {equal} | {worst:.1e} |")
-    print("\n".join(["", f"Exit codes of the serial program and how often: {ends}", *unequal]))
+        comparison = Comparison(Path(folder), options.ranks, options.solver, options.seconds, options.rows)
+        if options.cases:
+            compare_cases(comparison, options.every, options.first, options.only)
+        else:
+            for name, deck in list(all_decks().items())[options.first :: options.every]:
+                if options.only in name:
+                    shutil.rmtree(comparison.compare(name, deck, DIALECT))
+    print_table(comparison.rows)
     return 0
 
 

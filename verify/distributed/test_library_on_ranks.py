@@ -85,13 +85,13 @@ def test_parts_of_the_ranks(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("needs")
 def test_errors_on_all_ranks(tmp_path: Path) -> None:
-    """Each error is the same on both ranks, at once; the job goes on after those of its calls."""
+    """Each error is the same on both ranks, at once; the job continues after those of its calls."""
     first, second = on_ranks(2, "errors", tmp_path)
     words = {
         "deck": "DeckError: ", "no rank": "UsageError: This process is not in the communicator", "user": "UsageError: User routines run with one rank",
         "different decks": "UsageError: The ranks give different decks.", "alone": "DeckError: ", "folder": "FileError: ",
         "other": "UsageError: A process has one communicator at a time", "step": "UsageError: The ranks give different time steps.",
-        "set": "UsageError: The ranks give different values of U3.", "name": "UsageError: ", "not converged": "NotConvergedError: ", "goes on": "0.1",
+        "set": "UsageError: The ranks give different values of U3.", "name": "UsageError: ", "not converged": "NotConvergedError: ", "continues": "0.1",
     }  # fmt: skip
     assert set(first) == set(second) == set(words) | {"heard"}
     for name, start in words.items():
