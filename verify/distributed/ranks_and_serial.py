@@ -165,7 +165,7 @@ class Comparison:
         return serial_folder
 
     def add(self, row: Row) -> None:
-        """Keeps a row; what differs is told at once."""
+        """Keeps a row; what differs is printed at once."""
         self.rows.append(row)
         if row.n_ranks and is_unequal(row):
             print(describe(row), file=sys.stderr, flush=True)
@@ -207,7 +207,7 @@ def print_table(rows: Sequence[Row]) -> None:
 
 
 def compare_cases(comparison: Comparison, every: int, first: int, only: str) -> None:
-    """The decks of all verification cases; a case that fails by itself is told and left to verify/cases."""
+    """The decks of all verification cases; a case that fails by itself is printed and left to verify/cases."""
     from verify.cases.proof import Case, Job
     from verify.invariance.test_every_case import cases
 

@@ -154,6 +154,9 @@ int main(int n, char **words)
   print_scenarios();
   options.abi = AMONTONS_ABI;
   options.text = text;
+  int status = amontons_open_on(&options, 0, &job);
+  printf("a communicator: %d, %s\n", status, amontons_message(job));
+  amontons_close(job);
   options.log = hear;
   options.context = &n_heard;
   judge(amontons_open(&options, &job), job);
@@ -182,7 +185,7 @@ int main(int n, char **words)
   print_matrix(job, "TANGENT");
   print_matrix(job, "MAP");
   print_matrix(job, "STIFFNESS");
-  int status = amontons_get(job, "NONSENSE", "", NULL, 0, NULL, NULL);
+  status = amontons_get(job, "NONSENSE", "", NULL, 0, NULL, NULL);
   printf("an unknown name: %d, %s\n", status, amontons_message(job));
   judge(amontons_advance_to(job, 1.2), job);
   printf("done: %d\n", amontons_is_done(job));

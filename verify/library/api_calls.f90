@@ -56,6 +56,8 @@ program api_calls
   allocate (counter%n_lines, source=0)
   allocate (job)
   call print_scenarios()
+  call open_job(job, options, error, communicator=0)
+  write (*, '(a,i0,2a)') 'a communicator: ', error%code, ', ', error%message
   call open_job(job, options, error, counter)
   call judge()
   call print_names('NODE SETS')

@@ -95,6 +95,9 @@ def transcript(deck: Path) -> list[str]:
     with pytest.raises(amontons.UsageError):
         amontons.classify([[[1, 0, 0]]], [[1], [1]], np.zeros((2, 1, 3)), [[0, 0, 0]], 0.3)
     say(f"no nodes: {calls().amontons_classify(1, *8 * [None])}")
+    options = Options(abi=ABI, n_threads=1, text=deck.read_bytes())
+    say(f"a communicator: {calls().amontons_open_on(ctypes.byref(options), 0, ctypes.byref(handle))}, {calls().amontons_message(handle).decode()}")
+    calls().amontons_close(handle)
     heard: list[str] = []
     job = amontons.Job(text=deck.read_text(), log=heard.append)
     for kind in ("NODE SETS", "QUANTITIES"):
