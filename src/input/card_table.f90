@@ -661,10 +661,10 @@ contains
       'Use TIME INCREMENTATION, FIELD or LINE SEARCH.')
     call table%option('RESET', VALUE_NONE, 'Back to the defaults.')
     call table%option('ANALYSIS|TYPE', VALUE_TEXT, 'The defaults serve contact.', status=ENTRY_IGNORED)
-    call table%option('FIELD', VALUE_WORD, 'The field that the numbers are for.', allowed='DISPLACEMENT|GLOBAL', &
-      default='DISPLACEMENT')
-    call table%reject_words('ROTATION|TEMPERATURE|PORE FLUID PRESSURE|ELECTRICAL POTENTIAL|HYDROSTATIC FLUID ' // &
-      'PRESSURE|CONCENTRATION|WARPING', 'Displacements are the only field.')
+    call table%option('FIELD', VALUE_WORD, 'The field that the numbers are for; displacements are the only one ' // &
+      'here, and the numbers of others have no effect.', allowed='DISPLACEMENT|GLOBAL|' // &
+      'ROTATION|TEMPERATURE|PORE FLUID PRESSURE|ELECTRICAL POTENTIAL|HYDROSTATIC FLUID PRESSURE|CONCENTRATION|WARPING|' // &
+      'MATERIAL FLOW|PRESSURE LAGRANGE MULTIPLIER|VOLUMETRIC LAGRANGE MULTIPLIER', default='DISPLACEMENT')
     call table%add_dialect_note('The defaults under calculix are near those of CalculiX, under abaqus tighter; --explain ' // &
       'shows them.')
   end subroutine describe_controls

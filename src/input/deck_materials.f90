@@ -62,7 +62,7 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(material_type), intent(inout) :: material
     if (is_rejected_card(reader, c)) then
-      material%has_elastic = .true.              ! the rejected card may replace ELASTIC: no further error
+      if (.not. material%is_user) material%has_elastic = .true.   ! the rejected card may replace ELASTIC: no further error
       return
     end if
     if (is_repeated_law(reader%table%entries(reader%cards%cards(c)%entry)%key, material)) then

@@ -382,6 +382,7 @@ contains
     if (what == '' .and. .not. (has_parameter(parameters, 'RESET') .or. has_parameter(parameters, 'ANALYSIS'))) call &
       report_error(reader, row%line, '*CONTROLS needs PARAMETERS=TIME INCREMENTATION/FIELD/LINE SEARCH/GAP/CONTACT or ' // &
       'RESET.')
+    if (.not. is_one_of(parameter_word(parameters, 'FIELD', 'DISPLACEMENT'), 'DISPLACEMENT|GLOBAL')) return   ! no such field
     is_row = next_row(reader%cards, row)
     select case (what)
     case ('TIMEINCREMENTATION')

@@ -473,8 +473,7 @@ contains
         verb(n_without, 'has', 'have') // ' no face ' // label // '; tetrahedra have 4 faces (S1 to S4), wedges 5, ' // &
         'hexahedra 6; shells have SPOS, SNEG and edges E1 to E4.')
     end do
-    if (is_ok .and. elements%n == 0) call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // &
-      surface%name // ''' has no faces.')
+    if (is_ok .and. elements%n == 0) call report_empty_surface(reader, c, surface%name)
     surface%element = elements%trimmed()
     surface%face = faces%trimmed()
     call fill_surface_nodes(model%mesh, surface)
@@ -484,6 +483,45 @@ contains
       surface%name // ''' holds faces inside the body, ' // to_text(n_hidden) // ' of ' // to_text(size(surface%face)) // &
       ': another element shares them. The name of the set alone, without S1 to S6, takes its free faces.')
   end subroutine read_surface_faces
+
+
+  !> A surface without faces: an error if another card names it, else a note.
+  subroutine report_empty_surface(reader, c, name)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of its card
+    character(*), intent(in) :: name
+    if (is_named(reader, c, name)) then
+      call report_error(reader, reader%cards%cards(c)%line, 'The surface ''' // name // ''' has no faces.')
+    else
+      call report_note(reader, reader%cards%cards(c)%line, 'The surface ''' // name // ''' has no faces, and no card names it.')
+    end if
+  end subroutine report_empty_surface
+
+
+  !> Whether a parameter or a field of another card is a name. Cards of nodes, elements and their sets are passed over.
+  logical function is_named(reader, c, name)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of a card that may have the name
+    character(*), intent(in) :: name
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: k, i
+    is_named = .true.
+    do k = 1, reader%cards%n_cards
+      if (k == c .or. reader%cards%cards(k)%entry == 0) cycle
+      if (is_one_of(reader%cards%cards(k)%key, 'NODE|ELEMENT|NSET|ELSET')) cycle
+      call open_card(reader, k, parameters, row)
+      do i = 1, size(parameters)
+        if (name_key(parameters(i)%text) == name_key(name)) return
+      end do
+      do while (next_row(reader%cards, row))
+        do i = 1, row%n
+          if (name_key(field_text(reader%cards, row, i)) == name_key(name)) return
+        end do
+      end do
+    end do
+    is_named = .false.
+  end function is_named
 
 
   !> A row without a face: the free faces of solids; for faces written by a mesh generator the element faces under them.
