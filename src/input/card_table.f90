@@ -208,6 +208,9 @@ contains
       'calculix. A ' // &
       'compliant law without one takes a hundredth of its slope of pressure (abaqus), half of E (calculix).')
 
+    call table%card('SYSTEM', SCOPE_MODEL, 'Without data: coordinates of nodes are in the global axes, as they are ' // &
+      'anyway. *NODE, SYSTEM=C or S takes cylindrical and spherical ones.')
+
     call table%card('CONTACT PAIR', SCOPE_MODEL, 'Two surfaces that may touch, or one that may touch itself.', &
       data='slave surface, master surface')
     call table%option('INTERACTION', VALUE_NAME, 'Their interaction.', default='required')
@@ -224,7 +227,8 @@ contains
       'MECHANICAL CONSTRAINT|WEIGHT|GEOMETRIC CORRECTION', VALUE_TEXT, 'Amontons defines the search and the normals itself.', &
       status=ENTRY_IGNORED)
     call table%option('NO THICKNESS', VALUE_NONE, 'The faces of solids have none.', status=ENTRY_IGNORED)
-    call table%option('TIED', VALUE_NONE, 'A pair parts and slides; use *TIE.', status=ENTRY_REJECTED)
+    call table%option('TIED', VALUE_NONE, 'Abaqus dialect: slave nodes nearer than ADJUST are tied to the master from the ' // &
+      'start, as by *TIE with this POSITION TOLERANCE; the others touch nothing.')
     call table%option('OP', VALUE_TEXT, 'Use *MODEL CHANGE, TYPE=CONTACT PAIR.', status=ENTRY_REJECTED)
 
     call table%card('CLEARANCE', SCOPE_MODEL, 'The gap of a contact pair at the start, whatever the mesh says.')
@@ -318,6 +322,7 @@ contains
       'TABULAR|EQUALLY SPACED|SMOOTH STEP|PERIODIC|MODULATED|DECAY|USER', default='TABULAR')
     call table%reject_words('SOLUTION DEPENDENT|ACTUATOR|SPECTRUM|BUBBLE', 'Give a table of time and factor.')
     call table%option('FIXED INTERVAL', VALUE_REAL, 'EQUALLY SPACED: the distance of the times.')
+    call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%option('BEGIN', VALUE_REAL, 'EQUALLY SPACED: the first time.', default='0')
     call table%option('SHIFTX|SHIFTY', VALUE_REAL, 'Added to all times, to all factors.', default='0')
     call table%option('SMOOTH', VALUE_TEXT, 'It rounds the corners of rates, which do not count here.', status=ENTRY_IGNORED)
@@ -587,7 +592,7 @@ contains
     call table%option('INC', VALUE_INTEGER, 'READ: its increment. The rest of the step is done first.', default='the last')
     call table%option('END STEP', VALUE_NONE, 'READ: the step ends at that increment, with the loads that it has reached.')
     call table%option('ITERATION', VALUE_TEXT, 'There is one state for an increment.', status=ENTRY_IGNORED)
-    call table%option('NUMBER INTERVAL|TIME MARKS', VALUE_TEXT, 'Use FREQUENCY.', status=ENTRY_REJECTED)
+    call table%option('NUMBER INTERVAL|TIME MARKS', VALUE_TEXT, 'States are kept as FREQUENCY says.', status=ENTRY_IGNORED)
 
     call table%card('END STEP', SCOPE_STEP, 'Ends the step.')
   end subroutine describe_steps
@@ -803,8 +808,6 @@ contains
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
     call table%cards_with(ENTRY_REJECTED, 'PRESSURE STRESS|MASS FLOW RATE', &
       'Give *INITIAL CONDITIONS and *TEMPERATURE.')
-    call table%cards_with(ENTRY_REJECTED, 'SYSTEM', 'Give the coordinates of nodes in the global axes; *NODE, SYSTEM=C or S ' // &
-      'takes cylindrical and spherical ones.')
     call table%cards_with(ENTRY_REJECTED, 'TRANSFORMF|NODAL ROTATION', &
       'Supports and forces are in the global Cartesian directions; with skew supports use *EQUATION.')
   end subroutine describe_rejected_materials

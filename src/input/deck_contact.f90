@@ -429,6 +429,7 @@ contains
       if (.not. is_card(reader, c, 'CONTACTPAIR')) cycle
       line = reader%cards%cards(c)%line
       call open_card(reader, c, parameters, row)
+      if (has_parameter(parameters, 'TIED')) cycle   ! a tie
       common = contact_pair_type()
       common%interaction = reader%interactions%find(parameter_text(parameters, 'INTERACTION'))
       if (common%interaction == 0 .and. parameter_text(parameters, 'INTERACTION') /= '') call report_error(reader, &

@@ -9,6 +9,7 @@ module amontons_deck_couplings
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_faces, only: find_side_elements
   use amontons_deck_surfaces, only: fill_surface_nodes
+  use amontons_deck_ties, only: read_tie, read_tied_pair
   use amontons_deck_mpc, only: read_mpc, make_rotation_node
   use amontons_deck_analytic_surfaces, only: attach_profile
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
@@ -18,7 +19,7 @@ module amontons_deck_couplings
   use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, plural, verb, name_key, NUMBER_OK
-  use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at, &
+  use amontons_mpc_data, only: nonlinear_mpc_type, distributing_coupling_type, coordinate_system_type, axes_at, &
     MPC_RIGID_BODY
   use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_TRUSS, FAMILY_BEAM
   implicit none
@@ -154,6 +155,7 @@ contains
       if (is_card(reader, c, 'COUPLING')) call read_coupling(reader, model, c)
       if (is_card(reader, c, 'KINEMATICCOUPLING')) call read_kinematic(reader, model, c)
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
+      if (is_card(reader, c, 'CONTACTPAIR')) call read_tied_pair(reader, model, c)
     end do
     call release_out_of_plane(model)
     call check_analytic_carrier(reader, model)
@@ -495,62 +497,6 @@ contains
       end do
     end associate
   end subroutine set_mpc_axes
-
-
-  !> TIE: slave surface, master surface; tied from the start.
-  subroutine read_tie(reader, model, c)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: c
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    type(tie_type) :: common
-    integer :: status, n
-    call open_card(reader, c, parameters, row)
-    common%name = parameter_text(parameters, 'NAME')
-    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
-    common%is_cyclic = has_parameter(parameters, 'CYCLIC SYMMETRY')
-    common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
-    if (has_parameter(parameters, 'POSITION TOLERANCE')) then
-      call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), common%tolerance, status)
-      if (status == NUMBER_OK .and. common%tolerance < 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
-        'POSITION TOLERANCE must not be negative.')
-    end if
-    n = 0
-    do while (next_row(reader%cards, row))
-      n = n + 1
-      call check_n_fields(reader, row, 2)
-      call add_tie(reader, model, row, common)
-    end do
-    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*TIE needs a data line: slave surface, master surface.')
-  end subroutine read_tie
-
-
-  !> One row of TIE.
-  subroutine add_tie(reader, model, row, common)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
-    type(data_row_type), intent(in) :: row
-    type(tie_type), intent(in) :: common
-    type(tie_type) :: tie
-    integer :: i
-    tie = common
-    tie%slave = reader%surfaces%find(field_text(reader%cards, row, 1))
-    tie%master = reader%surfaces%find(field_text(reader%cards, row, 2))
-    do i = 1, 2
-      if (reader%surfaces%find(field_text(reader%cards, row, i)) == 0) call report_error(reader, row%line, &
-        'There is no surface ''' // field_text(reader%cards, row, i) // '''.')
-    end do
-    if (tie%slave == 0 .or. tie%master == 0) return
-    if (tie%slave == tie%master) then
-      call report_error(reader, row%line, 'A surface cannot be tied to itself; name two surfaces.')
-    else if (model%surfaces(tie%master)%is_node_based .and. .not. tie%is_cyclic) then
-      call report_error(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
-        ''' is made of nodes; a master needs element faces.')
-    else
-      model%ties = [model%ties, tie]
-    end if
-  end subroutine add_tie
 
 
   !> PRE-TENSION SECTION: the elements on the surface's side of it get duplicate nodes there. The offset of the new nodes is the

@@ -6,13 +6,14 @@ module amontons_deck_labels
     field_integer, field_real
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_containers, only: integer_list_type, name_table_type
-  use amontons_text, only: name_key, NUMBER_OK
+  use amontons_text, only: name_key, parse_integer, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name
+  use amontons_user_elements, only: user_kind_number
   implicit none
   private
   public :: deck_element_type, label_scope_type, clear_scope, read_mesh_card, find_or_add_set, add_node, add_element, &
     add_members, sort_unique, find_label_index, &
-    find_element, to_cartesian
+    find_element, n_nodes_of_type, to_cartesian
 
   !> One element as written in the deck.
   type :: deck_element_type
@@ -51,8 +52,7 @@ contains
     type(label_scope_type), intent(inout) :: scope
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    type(element_kind_type) :: entry
-    integer :: set, kind
+    integer :: set, n_nodes
     call read_parameters(cards, cards%cards(c), parameters)
     call start_rows(cards%cards(c), row)
     select case (cards%cards(c)%key)
@@ -64,11 +64,10 @@ contains
       if (set > 0) call sort_unique(scope%node_sets(set))   ! sets are in the order of the numbers, but for UNSORTED
     case ('ELEMENT')
       set = find_or_add_set(parameter_text(parameters, 'ELSET'), scope%element_names, scope%element_sets)
-      kind = element_kind_by_name(name_key(parameter_text(parameters, 'TYPE')))
-      if (kind == 0) return
-      entry = element_kind(kind)
+      n_nodes = n_nodes_of_type(cards, parameter_text(parameters, 'TYPE'))
+      if (n_nodes == 0) return
       do while (next_row(cards, row))
-        call read_element_rows(cards, row, parameter_text(parameters, 'TYPE'), entry%n_nodes, set, scope)
+        call read_element_rows(cards, row, parameter_text(parameters, 'TYPE'), n_nodes, set, scope)
       end do
     case ('NSET')
       if (has_parameter(parameters, 'ELSET')) return
@@ -81,6 +80,35 @@ contains
       if (set > 0) call sort_unique(scope%element_sets(set))
     end select
   end subroutine read_mesh_card
+
+
+  !> The number of nodes of an element type, of a user element by its card; 0: unknown type.
+  integer function n_nodes_of_type(cards, type) result(n)
+    type(cards_type), intent(in) :: cards
+    character(*), intent(in) :: type
+    type(parameter_type), allocatable :: parameters(:)
+    type(element_kind_type) :: entry
+    character(:), allocatable :: name
+    integer :: i, kind, c, status
+    n = 0
+    name = name_key(type)
+    if (user_kind_number(name) > 0) then
+      do c = 1, cards%n_cards
+        if (cards%cards(c)%key /= 'USERELEMENT') cycle
+        call read_parameters(cards, cards%cards(c), parameters)
+        if (name_key(parameter_text(parameters, 'TYPE')) == name) call parse_integer(parameter_text(parameters, 'NODES'), n, status)
+      end do
+      return
+    end if
+    do i = 0, 2                                  ! without up to two letters at the end: H, M, ...
+      if (len(name) - i < 1) return
+      kind = element_kind_by_name(name(:len(name) - i))
+      if (kind == 0) cycle
+      entry = element_kind(kind)
+      n = entry%n_nodes
+      return
+    end do
+  end function n_nodes_of_type
 
 
   !> The set of a name, created if new; 0 for an empty name.

@@ -18,7 +18,7 @@ module amontons_deck_loads
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: find_node_directors, force_weights
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
-    is_same_region, release_prescribed, &
+    find_or_add_place, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
   use amontons_tensor, only: cross_product
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
@@ -204,9 +204,10 @@ contains
     integer, allocatable :: nodes(:)
     real(DP) :: value
     integer :: amplitude, dof, i, place, dof_there
-    logical :: is_ok, is_follower
+    logical :: is_ok, is_follower, is_planar
     call open_card(reader, c, parameters, row)
     is_follower = has_parameter(parameters, 'FOLLOWER')
+    is_planar = all(model%mesh%is_unstiffened(3, :) .or. .not. model%mesh%has_elements)
     if (is_follower .and. model%dialect == DIALECT_CALCULIX) then
       call report_note(reader, reader%cards%cards(c)%line, 'CalculiX has no FOLLOWER and passes over it; so does this ' // &
         'dialect: the forces keep their direction.')
@@ -225,7 +226,7 @@ contains
       if (is_ok .and. (dof < 1 .or. dof > 6)) then
         call report_error(reader, row%line, 'The degree of freedom of a force must be 1, 2 or 3, of a moment 4, 5 or 6.')
         is_ok = .false.
-      else if (is_ok .and. is_follower .and. dof > 3) then
+      else if (is_ok .and. is_follower .and. dof > 3 .and. .not. is_planar) then
         call report_error(reader, row%line, 'FOLLOWER turns forces, degrees of freedom 1 to 3. A moment about the axis of the ' // &
           'rotation is the same without it.')
         is_ok = .false.
@@ -238,7 +239,7 @@ contains
             'and couplings do.')
           exit
         end if
-        if (is_follower) then
+        if (is_follower .and. dof <= 3) then   ! in the plane a moment keeps its axis
           call add_load(3 * (model%mesh%n_nodes + place) - 3 + dof_there, value, amplitude, active_loads%step, &
             active_loads%is_step, active_loads%cloads)
         else
@@ -457,7 +458,7 @@ contains
       return
     end do
     if (name_key(field_text(reader%cards, row, 2)) == 'TRSHR') call project_on_faces(reader, model, row, place, is_ok)
-    if (is_ok) call add_region_load(reader, row, place, value, amplitude, active_loads)
+    if (is_ok) call add_region_load(place, value, amplitude, active_loads)
   end subroutine read_traction
 
 
@@ -600,28 +601,18 @@ contains
     end if
     place%region = name_key(field_text(reader%cards, row, 1))
     if (place%kind /= DISTRIBUTED_BODY_FORCE) call check_density(reader, model, row, place, value)
-    call add_region_load(reader, row, place, value, amplitude, active_loads)
+    call add_region_load(place, value, amplitude, active_loads)
   end subroutine read_volume_load
 
 
   !> Adds a load to those at the same place.
-  subroutine add_region_load(reader, row, place, value, amplitude, active_loads)
-    type(reader_type), intent(inout) :: reader
-    type(data_row_type), intent(in) :: row
+  subroutine add_region_load(place, value, amplitude, active_loads)
     type(load_region_type), intent(in) :: place
     real(DP), intent(in) :: value
     integer, intent(in) :: amplitude
     type(active_loads_type), intent(inout) :: active_loads
     integer :: i
-    do i = 1, size(active_loads%places)
-      if (is_same_region(active_loads%places(i), place)) exit
-    end do
-    if (i > size(active_loads%places)) active_loads%places = [active_loads%places, place]
-    if (i > size(active_loads%volumes%head)) then
-      call report_error(reader, row%line, 'More than ' // to_text(size(active_loads%volumes%head)) // &
-        ' loads on volumes and tractions; gather the elements in sets.')
-      return
-    end if
+    call find_or_add_place(active_loads, place, i)
     call add_load(i, value, amplitude, active_loads%step, active_loads%is_step, active_loads%volumes)
   end subroutine add_region_load
 

@@ -45,6 +45,7 @@ contains
     allocate (mesh%node_label(n_rows), mesh%coordinates(3, n_rows), line(n_rows))
     allocate (draft%node_first(reader%cards%n_cards), draft%node_last(reader%cards%n_cards))
     do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'SYSTEM')) call check_global_axes(reader, c)
       if (.not. is_card(reader, c, 'NODE')) cycle
       call open_card(reader, c, parameters, row)
       draft%node_first(c) = mesh%n_nodes + 1
@@ -59,6 +60,18 @@ contains
     call merge_repeated_nodes(reader, mesh, draft, line)
     if (mesh%n_nodes == 0) call report_error(reader, 0, 'The deck has no nodes: there is no *NODE card with data.')
   end subroutine read_nodes
+
+
+  !> SYSTEM with data: local axes of the coordinates, which are refused.
+  subroutine check_global_axes(reader, c)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    if (next_row(reader%cards, row)) call report_error(reader, row%line, 'Local axes of coordinates are not supported: give ' // &
+      'those of the nodes in the global axes, and *SYSTEM without data or not at all.')
+  end subroutine check_global_axes
 
 
   !> Nodes that are given again at the same place are one node, with a note. In CalculiX the later place counts; else another place

@@ -12,8 +12,7 @@ module amontons_deck_parts
   use amontons_card_schema, only: has_parameter
   use amontons_tensor, only: cross_product, IDENTITY
   use amontons_text, only: name_key, to_text, is_one_of, parse_integer, parse_real, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name
-  use amontons_user_elements, only: user_kind_number
+  use amontons_deck_labels, only: n_nodes_of_type
   implicit none
   private
   public :: flatten_parts
@@ -23,7 +22,7 @@ module amontons_deck_parts
   !< parameters whose values are names or numbers of a part
   character(*), parameter :: CARDS_WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
   character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|MEMBRANESECTION|SPRING|MASS|INSTANCE|RIGIDBODY|' // &
-    'USERELEMENT|UELPROPERTY|COUPLING|KINEMATIC|DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'
+    'SYSTEM|USERELEMENT|UELPROPERTY|COUPLING|KINEMATIC|DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'
   !< their data lines have no numbers of a part
   character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|' // &
     'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
@@ -587,33 +586,6 @@ contains
     call read_parameters(cards, cards%cards(c), parameters)
     is_given = has_parameter(parameters, name)
   end function card_has_parameter
-
-
-  !> The number of nodes of an element type; 0: unknown type.
-  integer function n_nodes_of_type(cards, type) result(n)
-    type(cards_type), intent(in) :: cards
-    character(*), intent(in) :: type
-    type(element_kind_type) :: entry
-    character(:), allocatable :: name
-    integer :: i, kind, c, status
-    n = 0
-    name = name_key(type)
-    if (user_kind_number(name) > 0) then
-      do c = 1, cards%n_cards
-        if (cards%cards(c)%key /= 'USERELEMENT') cycle
-        if (name_key(parameter_value(cards, c, 'TYPE')) == name) call parse_integer(parameter_value(cards, c, 'NODES'), n, status)
-      end do
-      return
-    end if
-    do i = 0, 2                                  ! without up to two letters at the end: H, M, ...
-      if (len(name) - i < 1) return
-      kind = element_kind_by_name(name(:len(name) - i))
-      if (kind == 0) cycle
-      entry = element_kind(kind)
-      n = entry%n_nodes
-      return
-    end do
-  end function n_nodes_of_type
 
 
   !> Transforms a point of a part to its position in the instance.

@@ -4,9 +4,11 @@ module amontons_deck_property_tables
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text
-  use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields, VALUES_PER_LINE
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
+    VALUES_PER_LINE
   use amontons_materials, only: property_table_type, hardening_curve_type
-  use amontons_text, only: to_text, parse_integer, NUMBER_OK
+  use amontons_model, only: DIALECT_CALCULIX
+  use amontons_text, only: to_text, plural, parse_integer, NUMBER_OK
   implicit none
   private
   public :: read_table, read_curves
@@ -33,7 +35,7 @@ contains
     do while (next_row(reader%cards, row))
       i = 0
       do
-        call check_n_fields(reader, row, min(VALUES_PER_LINE, m - i))
+        call check_record(reader, row, min(VALUES_PER_LINE, m - i))
         do k = 1, min(VALUES_PER_LINE, m - i)
           call read_real(reader, row, k, trim(merge('temperature', 'constant   ', i + k > n)), record(i + k), is_ok, &
             0.0_DP)
@@ -59,6 +61,19 @@ contains
       is_ok = .false.
     end if
   end subroutine read_table
+
+
+  !> Reports more values than a record has; CalculiX does not read them.
+  subroutine check_record(reader, row, n)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: n                     !< values that are read
+    if (reader%dialect /= DIALECT_CALCULIX) then
+      call check_n_fields(reader, row, n)
+    else if (row%n > n) then
+      call report_note(reader, row%line, 'Of this line the first ' // plural(n, 'value') // ' count, as in CalculiX.')
+    end if
+  end subroutine check_record
 
 
   !> The number of field variables behind the temperature in the data of a card.

@@ -12,6 +12,7 @@
 !! | with an amplitude | reference value times amplitude; continues only in total time | |
 module amontons_load_propagation
   use amontons_kinds, only: DP
+  use amontons_containers, only: name_table_type
   use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
     DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
   use amontons_model, only: model_type
@@ -19,7 +20,7 @@ module amontons_load_propagation
   private
   public :: active_loads_type, load_region_type, init_active_loads, propagate_loads, &
     truncate_loads, release_prescribed, prescribe_dof, &
-    ramp_down_loads, add_load, is_same_region, get_step_loads
+    ramp_down_loads, add_load, find_or_add_place, get_step_loads
   public :: LOAD_BOUNDARY, LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
 
   integer, parameter :: LOAD_BOUNDARY = 1, LOAD_CLOAD = 2, LOAD_DLOAD = 3, LOAD_VOLUME = 4
@@ -58,6 +59,7 @@ module amontons_load_propagation
     real(DP) :: direction(3) = 0                 !< unit vector
     real(DP), allocatable :: face_directions(:, :)   !< (3, faces) unit vectors of a shear traction
     real(DP) :: point(3) = 0                     !< of the axis of spin [length]
+    integer :: previous = 0                      !< the place before on the same region, 0 none
   end type load_region_type
 
   !> All loads active at this point of the deck.
@@ -71,7 +73,10 @@ module amontons_load_propagation
     type(load_list_type) :: cloads                  !< key 3 (node - 1) + dof; plus 3 n_nodes with FOLLOWER
     type(load_list_type) :: pressures               !< key 6 (element - 1) + face
     type(load_list_type) :: volumes                 !< key: index into places
+    integer :: n_places = 0                      !< the rest of the places is empty
     type(load_region_type), allocatable :: places(:)
+    type(name_table_type) :: regions             !< names of the regions of places
+    integer, allocatable :: last_place(:)        !< (regions) the last place on each
   end type active_loads_type
 
 contains
@@ -80,11 +85,11 @@ contains
   subroutine init_active_loads(model, active_loads)
     type(model_type), intent(in) :: model
     type(active_loads_type), intent(out) :: active_loads
-    allocate (active_loads%active_prescribed(256), active_loads%places(0))
+    allocate (active_loads%active_prescribed(256), active_loads%places(16), active_loads%last_place(16))
     allocate (active_loads%prescribed_index(3 * model%mesh%n_nodes), source=0)
     allocate (active_loads%cloads%head(6 * model%mesh%n_nodes), source=0)
     allocate (active_loads%pressures%head(6 * model%mesh%n_elements), source=0)
-    allocate (active_loads%volumes%head(1024), source=0)
+    allocate (active_loads%volumes%head(16), source=0)
     allocate (active_loads%cloads%items(256), active_loads%pressures%items(256), active_loads%volumes%items(16))
   end subroutine init_active_loads
 
@@ -313,6 +318,39 @@ contains
     forces%items(forces%n) = new
     forces%head(key) = forces%n
   end subroutine add_load
+
+
+  !> The place of a load on volumes or of a traction, added if it is new. Cost: constant in the mean, but for the places on one
+  !! region, which are compared.
+  subroutine find_or_add_place(active_loads, place, found)
+    type(active_loads_type), intent(inout) :: active_loads
+    type(load_region_type), intent(in) :: place
+    integer, intent(out) :: found                !< index into the places
+    type(load_region_type), allocatable :: larger(:)
+    integer :: region
+    logical :: is_new
+    call active_loads%regions%add('.' // place%region, region, is_new)
+    if (region > size(active_loads%last_place)) active_loads%last_place = [active_loads%last_place, spread(0, 1, region)]
+    if (is_new) active_loads%last_place(region) = 0
+    found = active_loads%last_place(region)
+    do while (found > 0)
+      if (is_same_region(active_loads%places(found), place)) return
+      found = active_loads%places(found)%previous
+    end do
+    associate (n => active_loads%n_places)
+      if (n == size(active_loads%places)) then
+        allocate (larger(2 * n))
+        larger(:n) = active_loads%places
+        call move_alloc(larger, active_loads%places)
+        active_loads%volumes%head = [active_loads%volumes%head, spread(0, 1, n)]
+      end if
+      n = n + 1
+      active_loads%places(n) = place
+      active_loads%places(n)%previous = active_loads%last_place(region)
+      active_loads%last_place(region) = n
+      found = n
+    end associate
+  end subroutine find_or_add_place
 
 
   !> Whether two loads on volumes are of the same kind on the same region in the same directions.

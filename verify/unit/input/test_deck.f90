@@ -419,7 +419,8 @@ contains
       STEP_PART, 'no face S5')
     call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A;X, S1;' // STEP_PART, 'element set ''X''')
     call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A, TYPE=NODE;X;' // STEP_PART, 'node set ''X''')
-    call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A;' // STEP_PART, 'no faces')
+    call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A;*SURFACE INTERACTION, NAME=I;*CONTACT PAIR, ' // &
+      'INTERACTION=I;A;' // STEP_PART, 'no faces')
     call expect_error(suite, MODEL_PART // '*SURFACE, NAME=A, TYPE=NODE;' // STEP_PART, 'no nodes')
     call expect_error(suite, MODEL_PART // SURFACES // '*SURFACE, NAME=LOW;1,S1;' // STEP_PART, 'defined twice')
     call test_duplicates(suite)
@@ -928,7 +929,7 @@ contains
   subroutine test_refused(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
-    character(18), parameter :: REFUSED(7) = [character(18) :: 'RELEASE', 'EMBEDDED ELEMENT', 'GASKET SECTION', 'SYSTEM', &
+    character(18), parameter :: REFUSED(7) = [character(18) :: 'RELEASE', 'EMBEDDED ELEMENT', 'GASKET SECTION', 'REBAR', &
       'TRANSFORMF', 'JOINT', 'NETWORK MPC']
     integer :: i
     do i = 1, size(REFUSED)

@@ -1,4 +1,4 @@
-!> Unit test of deck_couplings: valid and rejected forms of TRANSFORM, MPC, RIGID BODY, COUPLING, TIE and PRE-TENSION SECTION.
+!> Unit test of deck_couplings: valid and rejected forms of TRANSFORM, MPC, RIGID BODY, COUPLING and PRE-TENSION SECTION.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_deck_couplings
   use amontons_kinds, only: DP
@@ -20,7 +20,6 @@ program test_deck_couplings
   call test_mpcs(suite)
   call test_rigid_bodies(suite)
   call test_couplings(suite)
-  call test_ties(suite)
   call test_pretension(suite)
   call test_rotations(suite)
   call suite%finish()
@@ -173,22 +172,6 @@ contains
     call expect_error('*COUPLING, REF NODE=90, SURFACE=UP, ORIENTATION=O;*KINEMATIC;', 'no orientation')
     call expect_error('*COUPLING, REF NODE=90, SURFACE=DOTS;*DISTRIBUTING;', 'element faces')
   end subroutine test_couplings
-
-
-  !> TIE.
-  subroutine test_ties(suite)
-    type(suite_type), intent(inout) :: suite
-    type(model_type) :: model
-    call read_good('*TIE, NAME=T, POSITION TOLERANCE=.5, ADJUST=NO;DOTS, UP;', model)
-    call suite%that('one tie', size(model%ties) == 1 .and. .not. model%ties(1)%is_adjusted)
-    call suite%near('tolerance', model%ties(1)%tolerance, 0.5_DP, 0.0_DP)
-    call expect_error('*TIE, NAME=T;UP, DOTS;', 'made of nodes')
-    call expect_error('*TIE, NAME=T;UP, UP;', 'tied to itself')
-    call expect_error('*TIE, NAME=T;UP, NIX;', 'no surface ''NIX''')
-    call expect_error('*TIE, NAME=T;', 'needs a data line')
-    call expect_error('*TIE, NAME=T, POSITION TOLERANCE=-1.;UP, CUT;', 'must not be negative')
-    call expect_error('*TIE, NAME=T, MULTISTAGE;UP, CUT;', 'whole body')
-  end subroutine test_ties
 
 
   !> PRE-TENSION SECTION.

@@ -150,7 +150,7 @@ contains
     call expect_message('*AMPLITUDE, NAME=A;1.,1.;1.,2.;', 'must ascend')
     call expect_message('*AMPLITUDE, NAME=A;1.,1.,2.;', 'odd number')
     call expect_message('*SURFACE, NAME=S;E,S9;', 'S1 to S6')
-    call expect_message('*SURFACE, NAME=S;', 'has no faces')
+    call expect_message('*SURFACE, NAME=S;*SURFACE INTERACTION, NAME=I;*CONTACT PAIR, INTERACTION=I;S;', 'has no faces')
     call expect_message('*SURFACE, NAME=S, TYPE=NODE;LOW;*SURFACE, NAME=S;1,S1;', 'defined twice')
     call expect_message('*EQUATION;2;UP,1,1.,LOWER,1,1.;', 'no node or node set ''LOWER''')
     call expect_message('*NSET, NSET=T;1,2,3;*EQUATION;2;UP,1,1.,T,1,1.;', 'same number of nodes')

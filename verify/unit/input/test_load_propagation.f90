@@ -3,10 +3,11 @@
 program test_load_propagation
   use amontons_kinds, only: DP
   use amontons_load_propagation, only: active_loads_type, load_region_type, init_active_loads, propagate_loads, truncate_loads, &
-    release_prescribed, prescribe_dof, ramp_down_loads, add_load, is_same_region, get_step_loads, LOAD_CLOAD
+    release_prescribed, prescribe_dof, ramp_down_loads, add_load, find_or_add_place, get_step_loads, LOAD_CLOAD
   use amontons_loads, only: amplitude_type, prescribed_type, concentrated_type, distributed_type, DISTRIBUTED_TRACTION, &
     DISTRIBUTED_PRESSURE
   use amontons_model, only: model_type
+  use amontons_text, only: to_text
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -208,30 +209,46 @@ contains
   end subroutine check_at_once
 
 
+  !> Expects the place of a load on a region.
+  subroutine expect_place(what, region, expected)
+    character(*), intent(in) :: what
+    type(load_region_type), intent(in) :: region
+    integer, intent(in) :: expected
+    integer :: found
+    call find_or_add_place(active, region, found)
+    call suite%that(what, found == expected)
+  end subroutine expect_place
+
+
   !> Pressures by face; loads on regions element by element.
   subroutine check_regions()
     type(load_region_type) :: region, other
+    integer :: i
     region%kind = DISTRIBUTED_TRACTION
     region%region = 'TOP'
     region%elements = [1, 2]
     region%faces = [3, 5]
     region%direction = [0.0_DP, 0.0_DP, 1.0_DP]
-    other = region
-    call suite%that('the same', is_same_region(region, other))
-    other%direction = [0.0_DP, 1.0_DP, 0.0_DP]
-    call suite%that('another direction', .not. is_same_region(region, other))
-    other = region
-    other%is_follower = .true.
-    call suite%that('turning', .not. is_same_region(region, other))
-    other = region
-    other%point(2) = 1.0_DP
-    call suite%that('another axis', .not. is_same_region(region, other))
-    other = region
-    other%region = 'BOTTOM'
-    call suite%that('another region', .not. is_same_region(region, other))
     call init_active_loads(model, active)
     call next_step()
-    active%places = [region]
+    call expect_place('the first', region, 1)
+    other = region
+    call expect_place('the same', other, 1)
+    other%direction = [0.0_DP, 1.0_DP, 0.0_DP]
+    call expect_place('another direction', other, 2)
+    other = region
+    other%is_follower = .true.
+    call expect_place('turning', other, 3)
+    other = region
+    other%point(2) = 1.0_DP
+    call expect_place('another axis', other, 4)
+    other = region
+    do i = 1, 40
+      other%region = 'B' // to_text(i)
+      call expect_place('another region', other, 4 + i)
+    end do
+    call expect_place('the first again', region, 1)
+    call expect_place('the fortieth again', other, 44)
     call add_load(1, 4.0_DP, 0, active%step, .false., active%volumes)
     call add_load(6 * 2 - 6 + 4, 3.0_DP, 0, active%step, .false., active%pressures, is_user=.true.)
     call get_step_loads(active, held, forces, spread_loads)

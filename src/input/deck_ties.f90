@@ -1,0 +1,101 @@
+!> TIE, and CONTACT PAIR with TIED, to ties.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_ties
+  use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
+  use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, report_error, check_n_fields
+  use amontons_kinds, only: DP
+  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_mpc_data, only: tie_type
+  use amontons_text, only: to_text, parse_real, NUMBER_OK
+  implicit none
+  private
+  public :: read_tie, read_tied_pair
+
+contains
+
+  !> TIE: slave surface, master surface; tied from the start.
+  subroutine read_tie(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(tie_type) :: common
+    integer :: status, n
+    call open_card(reader, c, parameters, row)
+    common%name = parameter_text(parameters, 'NAME')
+    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    common%is_cyclic = has_parameter(parameters, 'CYCLIC SYMMETRY')
+    common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
+    if (has_parameter(parameters, 'POSITION TOLERANCE')) then
+      call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), common%tolerance, status)
+      if (status == NUMBER_OK .and. common%tolerance < 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
+        'POSITION TOLERANCE must not be negative.')
+    end if
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call check_n_fields(reader, row, 2)
+      call add_tie(reader, model, row, common)
+    end do
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*TIE needs a data line: slave surface, master surface.')
+  end subroutine read_tie
+
+
+  !> CONTACT PAIR, TIED: the slave nodes that ADJUST moves onto the master are tied to it.
+  subroutine read_tied_pair(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(tie_type) :: common
+    integer :: status
+    call open_card(reader, c, parameters, row)
+    if (.not. has_parameter(parameters, 'TIED')) return
+    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    common%name = 'of the contact pair in line ' // to_text(common%line)
+    call parse_real(parameter_text(parameters, 'ADJUST'), common%tolerance, status)
+    if (status /= NUMBER_OK .or. common%tolerance < 0.0_DP) then
+      call report_error(reader, reader%cards%cards(c)%line, 'TIED needs ADJUST, the distance up to which slave nodes are ' // &
+        'moved and tied.')
+    else if (reader%dialect == DIALECT_CALCULIX) then
+      call report_error(reader, reader%cards%cards(c)%line, 'CalculiX has no TIED here: use *TIE, or *SURFACE BEHAVIOR, ' // &
+        'PRESSURE-OVERCLOSURE=TIED.')
+    else
+      do while (next_row(reader%cards, row))
+        call check_n_fields(reader, row, 2)
+        call add_tie(reader, model, row, common)
+      end do
+    end if
+  end subroutine read_tied_pair
+
+
+  !> One row of TIE.
+  subroutine add_tie(reader, model, row, common)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(data_row_type), intent(in) :: row
+    type(tie_type), intent(in) :: common
+    type(tie_type) :: tie
+    integer :: i
+    tie = common
+    tie%slave = reader%surfaces%find(field_text(reader%cards, row, 1))
+    tie%master = reader%surfaces%find(field_text(reader%cards, row, 2))
+    do i = 1, 2
+      if (reader%surfaces%find(field_text(reader%cards, row, i)) == 0) call report_error(reader, row%line, &
+        'There is no surface ''' // field_text(reader%cards, row, i) // '''.')
+    end do
+    if (tie%slave == 0 .or. tie%master == 0) return
+    if (tie%slave == tie%master) then
+      call report_error(reader, row%line, 'A surface cannot be tied to itself; name two surfaces.')
+    else if (model%surfaces(tie%master)%is_node_based .and. .not. tie%is_cyclic) then
+      call report_error(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
+        ''' is made of nodes; a master needs element faces.')
+    else
+      model%ties = [model%ties, tie]
+    end if
+  end subroutine add_tie
+
+end module amontons_deck_ties
