@@ -245,8 +245,8 @@ test: programs $(VENV)/installed $(VENV)-doc/installed $(VENV)-api/installed ## 
 check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
 	@$(PYTEST) -m "not slow" verify --ignore verify/peers
 
-ranks: all $(VENV)/installed ## With MPI=1: run the tests of several ranks
-	@$(PYTEST) verify/distributed
+ranks: all $(VENV)/installed ## With MPI=1: run the tests of several ranks, one at a time
+	@$(PYTEST) -n 1 verify/distributed
 
 verify: programs $(VENV)/installed ## Run the verification cases and write their pages to doc/verification
 	@AMONTONS_PAGES=doc/verification $(PYTEST) verify/cases verify/peers

@@ -113,6 +113,16 @@ def test_library_of_one_rank_refuses() -> None:
     library().amontons_close(handle)
 
 
+def test_ranks_are_those_of_the_communicator() -> None:
+    """petsc_shim.c names MPI_COMM_WORLD only where the program begins and where it ends all processes: a job may have a part of the ranks."""
+    source = (ROOT / "src" / "distributed" / "petsc_shim.c").read_text()
+    allowed = ("MPI_Comm_dup(MPI_COMM_WORLD, &communicator);", "MPI_Abort(MPI_COMM_WORLD, code);")
+    for call in allowed:
+        assert call in source
+        source = source.replace(call, "")
+    assert "MPI_COMM_WORLD" not in source and source.count("PETSC_COMM_WORLD") == 1
+
+
 @pytest.fixture
 def needs() -> None:
     """Skips where there is no library of several ranks."""

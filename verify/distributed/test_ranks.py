@@ -104,7 +104,7 @@ def test_contact_with_friction(tmp_path: Path, solver: str) -> None:
     """Two plates, pressed and dragged, with criteria of 1e-9: equal statuses in all increments. The bulk under the contact skin is a
     preconditioner: only directions depend on it, and of these only those that set origins of slip leave a trace. They are solved to
     1e-5 (`tolerance_origin` of the controls), and so far fields may differ."""
-    deck = deck_of(Model(4, criteria=1e-9), interface="SKIN")
+    deck = deck_of(Model(3, criteria=1e-9), interface="SKIN")
     serial = run(tmp_path / "serial", deck, 0)
     ranks = run(tmp_path / "ranks", with_solver(deck, solver), 2)
     assert (serial.code, ranks.code) == (0, 0), ranks.text
@@ -131,7 +131,7 @@ def test_conjugate_gradients(tmp_path: Path, preconditioner: str) -> None:
 @pytest.mark.parametrize("solver", ["", "GAMG", "HYPRE"])
 def test_same_bits_twice(tmp_path: Path, solver: str) -> None:
     """Three ranks twice: all bits of displacements and reactions."""
-    deck = with_solver(deck_of(Model(4)), solver)
+    deck = with_solver(deck_of(Model(3)), solver)
     first, second = (run(tmp_path / name, deck, 3) for name in ("first", "second"))
     assert first.code == 0, first.text
     for name, values in first.fields.items():
