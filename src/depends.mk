@@ -30,6 +30,8 @@ uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 # distributed
 uses_mpi_ranks = kinds errors
 uses_distributed_solver = kinds errors sparse krylov two_level_preconditioner mpi_ranks
+uses_halo = kinds containers sparse mpi_ranks
+uses_distributed_two_level = kinds containers errors sparse krylov two_level_preconditioner mpi_ranks halo
 
 # model
 uses_analytic_profiles = kinds tensor
@@ -179,7 +181,7 @@ uses_unpaired_contact = kinds text containers model facets exterior_surface face
 
 # equilibrium
 uses_arc_length = kinds steps model state
-uses_reduced_system = kinds text errors posix sparse factorization graph_partition two_level_preconditioner mpi_ranks distributed_solver controls element_kinds mesh steps constraints
+uses_reduced_system = kinds text errors posix sparse factorization graph_partition krylov two_level_preconditioner mpi_ranks distributed_solver distributed_two_level controls element_kinds mesh steps constraints
 uses_schur_interface = kinds errors dense sparse factorization graph_partition woodbury_interface controls constraints
 uses_contact_tiles = kinds containers errors blas_lapack sparse
 uses_contact_coarse_space = kinds blas_lapack sparse constraints reduced_system contact_tiles
@@ -187,7 +189,7 @@ uses_contact_preconditioner = kinds errors dense sparse controls constraints red
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
 uses_equilibrium = kinds containers errors iteration_records posix sparse factorization controls surfaces steps user_elements model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change user_state assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
 uses_robin_springs = kinds errors tensor dense sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_tangent_solution = kinds errors sparse factorization krylov distributed_solver steps state unsymmetric_tangent constraints contact_operators arc_length reduced_system schur_interface contact_preconditioner equilibrium
+uses_tangent_solution = kinds errors sparse factorization krylov steps state unsymmetric_tangent constraints contact_operators arc_length reduced_system schur_interface contact_preconditioner equilibrium
 uses_newton_step = kinds errors iteration_records sparse factorization woodbury_interface surfaces steps model contact_constraint_rows state unsymmetric_tangent assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc contact_pairs contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs tangent_solution
 uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
@@ -235,7 +237,7 @@ uses_user_routine_setup = kinds errors logger loads user_routines materials surf
 uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes unpaired_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes unpaired_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors element_kinds materials mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse mpi_ranks model friction_slip_scenarios state unsymmetric_tangent assembly equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

@@ -26,6 +26,11 @@ void amontons_ranks_sum(double *x, int64_t n);
 /* Completes an array of which each rank has its own part: rank r has counts[r] numbers, one part after the other. */
 void amontons_ranks_gather(double *x, const int *counts);
 
+/* Point-to-point messages: to rank other[k] the numbers send_first[k] to send_first[k + 1] of `sent`, and from it those of
+ * `received`, by the same scheme. */
+void amontons_ranks_exchange(int n, const int *other, const int *send_first, const double *sent, const int *receive_first,
+                             double *received);
+
 double amontons_ranks_min(double x);
 void amontons_ranks_broadcast(char *bytes, int n, int root);
 

@@ -18,13 +18,14 @@ module amontons_distributed_solver
   private
   public :: distributed_solver_type, create_distributed, update_distributed, apply_distributed, solve_distributed, &
     has_distributed_solvers
-  public :: DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_NAMES
+  public :: DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, DISTRIBUTED_NAMES
 
   integer, parameter :: DISTRIBUTED_NONE = 0
   integer, parameter :: DISTRIBUTED_GAMG = 1       !< conjugate gradients with smoothed aggregation
   integer, parameter :: DISTRIBUTED_HYPRE = 2      !< conjugate gradients with BoomerAMG, unknown by unknown
   integer, parameter :: DISTRIBUTED_MUMPS = 3      !< a multifrontal factor
-  character(5), parameter :: DISTRIBUTED_NAMES(3) = [character(5) :: 'GAMG', 'hypre', 'MUMPS']
+  integer, parameter :: DISTRIBUTED_TWO_LEVEL = 4  !< not of PETSc: `distributed_two_level`
+  character(19), parameter :: DISTRIBUTED_NAMES(4) = [character(19) :: 'GAMG', 'hypre', 'MUMPS', 'two-level iteration']
 
   real(DP), parameter :: APPLICATION_TOLERANCE = 1.0e-4_DP   !< of an application of multigrid: residual over right-hand side [-]
   integer(c_int), parameter :: MAX_APPLICATION_ITERATIONS = 100

@@ -11,7 +11,8 @@ module amontons_mpi_ranks
   implicit none
   private
   public :: begin_ranks, end_ranks, join_ranks, leave_ranks, this_rank, n_ranks, is_first_rank
-  public :: sum_over_ranks, gather_parts, min_over_ranks, share_error, check_agreement, is_shared_by_ranks, abort_ranks
+  public :: sum_over_ranks, gather_parts, exchange_with_ranks, min_over_ranks, share_error, check_agreement, is_shared_by_ranks, &
+    abort_ranks
 
   real(DP), parameter :: SECONDS_TO_MEET = 15.0_DP   !< in which an error that all ranks share reaches all [s]
   ! Of amontons_ranks_join.
@@ -62,6 +63,14 @@ module amontons_mpi_ranks
       real(c_double), intent(inout) :: x(*)
       integer(c_int), intent(in) :: counts(*)
     end subroutine gather_c
+
+    subroutine exchange_c(n, other, send_first, sent, receive_first, received) bind(C, name='amontons_ranks_exchange')
+      import :: c_int, c_double
+      integer(c_int), value :: n
+      integer(c_int), intent(in) :: other(*), send_first(*), receive_first(*)
+      real(c_double), intent(in) :: sent(*)
+      real(c_double), intent(inout) :: received(*)
+    end subroutine exchange_c
 
     function min_c(x) bind(C, name='amontons_ranks_min') result(least)
       import :: c_double
@@ -161,6 +170,18 @@ contains
     integer, intent(in) :: counts(:)               !< (n_ranks) lengths of the parts, in the order of the ranks
     call gather_c(x, int(counts, c_int))
   end subroutine gather_parts
+
+
+  !> Numbers to and from some ranks, by a message to each. What another rank sends it lists for this one in the same way.
+  subroutine exchange_with_ranks(other, send_first, sent, receive_first, received)
+    integer, intent(in) :: other(:)                !< (m) ranks, from 0
+    integer, intent(in) :: send_first(:)           !< (m + 1) first number for each in `sent`, from 1
+    real(DP), intent(in) :: sent(:)
+    integer, intent(in) :: receive_first(:)        !< (m + 1) the same of `received`
+    real(DP), intent(inout) :: received(:)
+    call exchange_c(size(other, kind=c_int), int(other, c_int), int(send_first - 1, c_int), sent, &
+      int(receive_first - 1, c_int), received)
+  end subroutine exchange_with_ranks
 
 
   !> The least of the ranks' numbers.

@@ -16,7 +16,7 @@
 enum { GAMG = 1, HYPRE = 2, MUMPS = 3 };
 enum { DONE = 0, BROKEN = 1, FAILED = 2 };
 enum { JOIN_DONE = 0, JOIN_NOT_RUNNING = 2, JOIN_NO_MEMBER = 3, JOIN_OTHER = 4 }; /* of mpi_ranks.f90 */
-enum { N_MOTIONS = 6, BLOCK = 1 << 16 };
+enum { N_MOTIONS = 6, BLOCK = 1 << 16, FEW = 64 };
 static const double SMALLEST_MOTION = 1.0e-8; /* of a rigid motion beside those before it */
 
 typedef struct {
@@ -129,10 +129,25 @@ static void divide(int n, int n_ranks, int *count, int *first)
   }
 }
 
+/* A few numbers: one message of all ranks to all. */
+static void sum_few(double *x, int n, int size)
+{
+  double parts[FEW * size];
+  MPI_Allgather(x, n, MPI_DOUBLE, parts, n, MPI_DOUBLE, communicator);
+  for (int k = 0; k < n; k++) {
+    x[k] = parts[k];
+    for (int r = 1; r < size; r++) x[k] += parts[r * n + k];
+  }
+}
+
 void amontons_ranks_sum(double *x, int64_t n)
 {
   const int size = amontons_n_ranks(), rank = amontons_rank();
   if (size == 1) return;
+  if (n <= FEW) {
+    sum_few(x, (int)n, size);
+    return;
+  }
   int count[size], first[size], own_count[size], own_first[size];
   double parts[BLOCK + size]; /* half a megabyte of the stack: a sum never lacks memory */
   for (int64_t start = 0; start < n; start += BLOCK) {
@@ -161,6 +176,18 @@ void amontons_ranks_gather(double *x, const int *counts)
   first[0] = 0;
   for (int r = 1; r < size; r++) first[r] = first[r - 1] + counts[r - 1];
   MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, x, counts, first, MPI_DOUBLE, communicator);
+}
+
+void amontons_ranks_exchange(int n, const int *other, const int *send_first, const double *sent, const int *receive_first,
+                             double *received)
+{
+  if (n == 0) return;
+  MPI_Request request[2 * n];
+  for (int k = 0; k < n; k++)
+    MPI_Irecv(received + receive_first[k], receive_first[k + 1] - receive_first[k], MPI_DOUBLE, other[k], 0, communicator, request + k);
+  for (int k = 0; k < n; k++)
+    MPI_Isend(sent + send_first[k], send_first[k + 1] - send_first[k], MPI_DOUBLE, other[k], 0, communicator, request + n + k);
+  MPI_Waitall(2 * n, request, MPI_STATUSES_IGNORE);
 }
 
 double amontons_ranks_min(double x)

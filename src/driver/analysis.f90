@@ -14,6 +14,7 @@ module amontons_analysis
   use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory, &
     checksum_of_text
   use amontons_version, only: VERSION
+  use amontons_distributed_two_level, only: describe_messages
   use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error, check_agreement
   use amontons_assembly, only: share_points
   use amontons_text, only: to_text, plural
@@ -763,6 +764,8 @@ contains
     analysis%is_open = .false.
     call call_external_databases(analysis%model, LOP_JOB_END, analysis%state%old)
     call logger%show_summary(analysis%records(:analysis%n_records), 3 * analysis%model%mesh%n_nodes)
+    if (analysis%system%reduced_system%divided%n_iterations > 0) &
+      call logger%say(describe_messages(analysis%system%reduced_system%divided))
     if (analysis%has_files) then
       !$omp critical (result_files)
       call close_files(analysis, error)

@@ -15,6 +15,7 @@ module amontons_reduced_system
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
     is_same_pattern
+  use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
   use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, order_unknowns_by_node, &
     nodes_by_first_use, separator_size
@@ -24,12 +25,16 @@ module amontons_reduced_system
     two_level_megabytes
   use amontons_mpi_ranks, only: n_ranks, min_over_ranks
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, update_distributed, apply_distributed, &
-    DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_NAMES
+    solve_distributed, DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, &
+    DISTRIBUTED_NAMES
+  use amontons_distributed_two_level, only: distributed_two_level_type, create_distributed_two_level, &
+    update_distributed_two_level, apply_distributed_two_level, solve_distributed_two_level
   use amontons_constraints, only: constraints_type
   implicit none
   private
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
-    factorise_reduced_system, apply_reduced_inverse, abandon_iteration, discard_analysis, old_factor_iterations
+    factorise_reduced_system, apply_reduced_inverse, iterate_reduced_system, abandon_iteration, discard_analysis, &
+    old_factor_iterations
 
   !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner.
   integer, parameter, public :: USE_ONCE = 1, USE_REPEATED = 2, USE_SKIN = 3
@@ -51,9 +56,10 @@ module amontons_reduced_system
     type(sparse_type) :: matrix                    !< A
     type(cholesky_type) :: factor                    !< of A, or of A with a shift
     type(two_level_preconditioner_type) :: iterative              !< in place of the factor
-    type(distributed_solver_type) :: distributed   !< in place of both
-    logical :: is_iterative = .false.              !< not a factor in this process: the second, or the distributed solver
-    integer :: distributed_kind = DISTRIBUTED_NONE   !< DISTRIBUTED_... of the distributed solver, if that is taken
+    type(distributed_two_level_type) :: divided    !< the same over the ranks
+    type(distributed_solver_type) :: distributed   !< of PETSc, in place of these
+    logical :: is_iterative = .false.              !< not a factor in this process: one of the others
+    integer :: distributed_kind = DISTRIBUTED_NONE   !< DISTRIBUTED_...: over the ranks
     type(linear_solver_controls_type) :: controls
     integer :: requested_solver = SOLVER_AUTO                 !< SOLVER_... of the step
     integer :: max_iterations = 0             !< after which the iterative solver is abandoned
@@ -71,6 +77,13 @@ module amontons_reduced_system
     integer :: n_shifted = 0                       !< of them with a shift
     logical :: is_shift_allowed = .true.           !< where A is not positive; else it has no factor
   end type reduced_system_type
+
+  !> inv(A), or what is near to it, as an operator.
+  type, extends(operator_type) :: inverse_type
+    type(reduced_system_type), pointer :: system => null()
+  contains
+    procedure :: apply => apply_inverse
+  end type inverse_type
 
 contains
 
@@ -121,11 +134,7 @@ contains
     if (allocated(error)) return
     self%analysed_map%value = constraints%transformation%value
     if (self%is_iterative) then
-      if (self%distributed_kind == DISTRIBUTED_NONE) then
-        call factorise_two_level(self%iterative, self%matrix, is_broken, error)
-      else
-        call update_distributed(self%distributed, self%matrix, is_broken, error)
-      end if
+      call update_iteration(self, is_broken, error)
       if (allocated(error)) return
       self%is_current = .not. is_broken
       if (self%is_current) return
@@ -144,6 +153,22 @@ contains
     if (allocated(error) .or. status /= FACTOR_OK) return
     if (self%use == USE_SKIN) call round_factor(self%factor)
   end subroutine factorise_reduced_system
+
+
+  !> The preconditioner or distributed solver of new values of A.
+  subroutine update_iteration(self, is_broken, error)
+    type(reduced_system_type), intent(inout) :: self
+    logical, intent(out) :: is_broken              !< A is far from positive definite
+    type(error_type), allocatable, intent(out) :: error
+    select case (self%distributed_kind)
+    case (DISTRIBUTED_NONE)
+      call factorise_two_level(self%iterative, self%matrix, is_broken, error)
+    case (DISTRIBUTED_TWO_LEVEL)
+      call update_distributed_two_level(self%divided, self%matrix, is_broken, error)
+    case default
+      call update_distributed(self%distributed, self%matrix, is_broken, error)
+    end select
+  end subroutine update_iteration
 
 
   !> The iterations with the factor of an earlier K that cost less than a new factor; 0: there is none, or it does not pay.
@@ -220,7 +245,7 @@ contains
     end if
     if (.not. self%is_iterative) return
     if (self%distributed_kind == DISTRIBUTED_NONE) then
-      call create_subdomains(self, constraints, mesh, error)
+      call create_subdomains(self%iterative, constraints, mesh, error)
     else
       call distribute(self, constraints, mesh, error)
     end if
@@ -229,34 +254,39 @@ contains
 
 
   !> The distributed solver that a step requests.
-  pure integer function requested_kind(requested_solver) result(kind)
+  integer function requested_kind(requested_solver) result(kind)
     integer, intent(in) :: requested_solver        !< SOLVER_...
     kind = DISTRIBUTED_NONE
+    if (n_ranks() > 1 .and. requested_solver == SOLVER_ITERATIVE) kind = DISTRIBUTED_TWO_LEVEL
     if (requested_solver == SOLVER_GAMG) kind = DISTRIBUTED_GAMG
     if (requested_solver == SOLVER_HYPRE) kind = DISTRIBUTED_HYPRE
     if (requested_solver == SOLVER_MUMPS) kind = DISTRIBUTED_MUMPS
   end function requested_kind
 
 
-  !> Many ranks share a large system: in place of a factor MUMPS, in place of the two-level preconditioner GAMG. On few ranks each
-  !! has its own, which is faster and gives the bits of all.
+  !> Ranks share a large system: the iteration always; the factor, as MUMPS, only if they are many: few have each its own, which is
+  !! faster and gives the bits of all.
   subroutine distribute_by_default(self, n_free)
     type(reduced_system_type), intent(inout) :: self
     integer, intent(in) :: n_free
-    if (n_ranks() < self%controls%min_ranks_shared .or. n_free < self%controls%min_unknowns_planned) return
-    if (self%is_iteration_abandoned) return
-    self%distributed_kind = merge(DISTRIBUTED_GAMG, DISTRIBUTED_MUMPS, self%is_iterative)
-    self%is_iterative = .true.
-    self%max_iterations = self%controls%max_cg_iterations
+    if (n_ranks() == 1 .or. n_free < self%controls%min_unknowns_planned .or. self%is_iteration_abandoned) return
+    if (self%is_iterative) then
+      self%distributed_kind = DISTRIBUTED_TWO_LEVEL
+    else if (n_ranks() >= self%controls%min_ranks_shared) then
+      self%distributed_kind = DISTRIBUTED_MUMPS
+      self%is_iterative = .true.
+      self%max_iterations = self%controls%max_cg_iterations
+    end if
   end subroutine distribute_by_default
 
 
-  !> The rows of A on the ranks, by METIS parts of the mesh.
+  !> The unknowns of A on the ranks, by METIS parts of the mesh.
   subroutine distribute(self, constraints, mesh, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
+    type(two_level_preconditioner_type) :: coarse_space
     integer, allocatable :: of_element(:)
     integer :: of_node(mesh%n_nodes), unknown(constraints%n_free), e, i
     of_node = 0
@@ -266,6 +296,12 @@ contains
       do e = 1, mesh%n_elements
         of_node(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = of_element(e) - 1
       end do
+    end if
+    if (self%distributed_kind == DISTRIBUTED_TWO_LEVEL) then
+      call create_subdomains(coarse_space, constraints, mesh, error)
+      if (allocated(error)) return
+      call create_distributed_two_level(self%divided, self%matrix, of_node(nodes_of(constraints)), coarse_space)
+      return
     end if
     do i = 1, constraints%n_unknowns
       if (constraints%free_of(i) > 0) unknown(constraints%free_of(i)) = i
@@ -392,7 +428,7 @@ contains
     real(DP) :: whole_memory
     whole_memory = total_megabytes()
     associate (cost => self%cost)
-      if (self%requested_solver == SOLVER_ITERATIVE .or. requested_kind(self%requested_solver) /= DISTRIBUTED_NONE) then
+      if (any(self%requested_solver == [SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS])) then
         reason = 'as SOLVER requests'
       else if (cost%is_factor_too_large .and. cost%factor_megabytes <= 0.0_DP) then
         reason = 'because the factor would have more entries than can be counted (17 gigabytes)'
@@ -431,14 +467,15 @@ contains
     self%is_iterative = .false.
     call discard_preconditioner(self%iterative)
     self%distributed = distributed_solver_type()
+    self%divided = distributed_two_level_type()
     self%message = pending_message(self) // 'The iterative solver did not converge: a factor is used in its place.'
     call discard_analysis(self)
   end subroutine abandon_iteration
 
 
   !> The parts of the mesh whose rigid motions are the second level of the preconditioner.
-  subroutine create_subdomains(self, constraints, mesh, error)
-    type(reduced_system_type), intent(inout) :: self
+  subroutine create_subdomains(coarse_space, constraints, mesh, error)
+    type(two_level_preconditioner_type), intent(inout) :: coarse_space
     type(constraints_type), intent(in) :: constraints
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
@@ -460,9 +497,9 @@ contains
       axis(f) = 1 + mod(i - 1, 3)
       position(:, f) = mesh%coordinates(:, (i + 2) / 3)
     end do
-    call build_coarse_space(self%iterative, part, axis, position, n_parts)
+    call build_coarse_space(coarse_space, part, axis, position, n_parts)
     call find_edge_ends(mesh, ends_of_node)
-    if (any(ends_of_node > 0)) call offer_corner_space(self%iterative, ends_of_unknowns(constraints, ends_of_node))
+    if (any(ends_of_node > 0)) call offer_corner_space(coarse_space, ends_of_unknowns(constraints, ends_of_node))
   end subroutine create_subdomains
 
 
@@ -558,13 +595,50 @@ contains
     type(reduced_system_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    if (self%is_iterative .and. self%distributed_kind /= DISTRIBUTED_NONE) then
-      call apply_distributed(self%distributed, x, y)
-    else if (self%is_iterative) then
-      call apply_preconditioner(self%iterative, self%matrix, x, y)
-    else
+    if (.not. self%is_iterative) then
       call solve(self%factor, x, y)
+      return
     end if
+    select case (self%distributed_kind)
+    case (DISTRIBUTED_NONE)
+      call apply_preconditioner(self%iterative, self%matrix, x, y)
+    case (DISTRIBUTED_TWO_LEVEL)
+      call apply_distributed_two_level(self%divided, x, y)
+    case default
+      call apply_distributed(self%distributed, x, y)
+    end select
   end subroutine apply_reduced_inverse
+
+
+  !> Solves A x = b by conjugate gradients in place of a factor.
+  subroutine iterate_reduced_system(self, b, x, options, report, error)
+    type(reduced_system_type), intent(inout), target :: self   !< is_iterative
+    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
+    real(DP), intent(inout) :: x(:)                !< (n_free) in: first guess; out: solution [length]
+    type(krylov_options_type), intent(in) :: options
+    type(krylov_report_type), intent(out) :: report
+    type(error_type), allocatable, intent(out) :: error
+    type(matrix_operator_type) :: matrix
+    type(inverse_type) :: preconditioner
+    select case (self%distributed_kind)
+    case (DISTRIBUTED_NONE)
+      matrix%matrix => self%matrix
+      preconditioner%system => self
+      call conjugate_gradients(matrix, preconditioner, b, x, options, report)
+    case (DISTRIBUTED_TWO_LEVEL)
+      call solve_distributed_two_level(self%divided, b, x, options, report)
+    case default
+      call solve_distributed(self%distributed, b, x, options, report, error)
+    end select
+  end subroutine iterate_reduced_system
+
+
+  !> y ~ inv(A) x.
+  subroutine apply_inverse(self, x, y)
+    class(inverse_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: y(:)                  !< (n_free) [length]
+    call apply_reduced_inverse(self%system, x, y)
+  end subroutine apply_inverse
 
 end module amontons_reduced_system

@@ -11,12 +11,11 @@ module amontons_tangent_solution
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_reduced_system, only: apply_reduced_inverse
+  use amontons_reduced_system, only: apply_reduced_inverse, iterate_reduced_system
   use amontons_contact_preconditioner, only: apply_bulk, apply_coarse_space, apply_tiles, subtract_contact
   use amontons_schur_interface, only: apply_schur_interface
-  use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, gmres, &
+  use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
-  use amontons_distributed_solver, only: solve_distributed, DISTRIBUTED_NONE
   use amontons_constraints, only: condense_forces, build_condensation_matrix
   use amontons_unsymmetric_tangent, only: subtract_skew_product, combine_with_skew, has_unsymmetric_law
   use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents
@@ -126,7 +125,6 @@ contains
     integer, intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(tangent_type) :: tangent
-    type(matrix_operator_type) :: matrix
     type(preconditioner_type) :: preconditioner
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
@@ -142,7 +140,6 @@ contains
       return
     end if
     tangent%system => system
-    matrix%matrix => system%reduced_system%matrix
     preconditioner%system => system
     options%tolerance = system%controls%krylov%tolerance
     options%absolute_tolerance = allowed_residual
@@ -156,11 +153,9 @@ contains
     end if
     system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
     is_symmetric = size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)
-    if (is_iterative .and. is_symmetric .and. system%reduced_system%distributed_kind /= DISTRIBUTED_NONE) then
-      call solve_distributed(system%reduced_system%distributed, b, v, options, report, error)
+    if (is_iterative .and. is_symmetric) then
+      call iterate_reduced_system(system%reduced_system, b, v, options, report, error)
       if (allocated(error)) return
-    else if (is_iterative .and. is_symmetric) then
-      call conjugate_gradients(matrix, preconditioner, b, v, options, report)
     else if (system%max_old_iterations > 0 .and. is_symmetric) then
       call conjugate_gradients(tangent, preconditioner, b, v, options, report)
     else

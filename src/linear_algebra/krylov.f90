@@ -2,7 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Both measure the true residual b - A x in the 2-norm, never the preconditioned one. Sums have a fixed order: results repeat
-!! bitwise. Nothing they return is ever NaN: after a breakdown, x is the best iterate so far.
+!! bitwise. Nothing they return is ever NaN: after a breakdown, x is the best iterate so far. Conjugate gradients work on parts of
+!! vectors, too, if the operator completes sums over its part to sums over all of them (`complete`).
 !! References: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 6.5, 6.7, 9.4;
 !! Sleijpen and van der Vorst, Computing 56 (1996) 141 (residuals computed anew);
 !! Saad, SIAM J. Sci. Comput. 14 (1993) 461 (flexible GMRES); Giraud and Langou, IMA J. Numer. Anal. 22 (2002) 521.
@@ -38,6 +39,7 @@ module amontons_krylov
   type, abstract :: operator_type
   contains
     procedure(apply_interface), deferred :: apply
+    procedure :: complete => complete_sum
   end type operator_type
 
   abstract interface
@@ -122,7 +124,8 @@ contains
     real(DP), intent(out) :: r(:)                           !< b - A x
     real(DP), intent(out) :: size_of_b, target_residual                !< |b| and the residual to reach
     type(krylov_report_type), intent(out) :: report
-    size_of_b = norm(b)
+    real(DP) :: size_of_r
+    size_of_b = length_of(operator, b)
     target_residual = options%absolute_tolerance
     r = b
     if (ieee_is_finite(size_of_b)) target_residual = max(options%tolerance * size_of_b, options%absolute_tolerance)
@@ -135,8 +138,9 @@ contains
     else
       report%status = KRYLOV_MAX_ITERATIONS
       call check_initial_guess(operator, b, size_of_b, x, r)
-      report%residual = norm(r) / size_of_b
-      if (norm(r) <= target_residual) report%status = KRYLOV_CONVERGED
+      size_of_r = length_of(operator, r)
+      report%residual = size_of_r / size_of_b
+      if (size_of_r <= target_residual) report%status = KRYLOV_CONVERGED
     end if
   end subroutine check_trivial_solution
 
@@ -148,13 +152,18 @@ contains
     real(DP), intent(in) :: size_of_b                       !< |b|
     real(DP), intent(inout) :: x(:)
     real(DP), intent(out) :: r(:)                           !< b - A x
+    real(DP) :: length
     logical :: is_useful
     r = b
-    is_useful = all(ieee_is_finite(x))
-    if (is_useful) is_useful = any(abs(x) > 0)
-    if (is_useful) call residual_of(operator, b, x, r)
-    if (is_useful) is_useful = ieee_is_finite(norm(r))
-    if (is_useful) is_useful = norm(r) <= size_of_b
+    length = length_of(operator, x)
+    is_useful = ieee_is_finite(length)
+    if (is_useful) is_useful = length > 0
+    if (is_useful) then
+      call residual_of(operator, b, x, r)
+      length = length_of(operator, r)
+      is_useful = ieee_is_finite(length)
+      if (is_useful) is_useful = length <= size_of_b
+    end if
     if (is_useful) return
     x = 0
     r = b
@@ -297,7 +306,7 @@ contains
     if (report%status /= KRYLOV_MAX_ITERATIONS) return
     call run_cg_iterations(operator, preconditioner, b, target_residual, options, r, x, report)
     if (report%status == KRYLOV_NOT_FINITE) return
-    report%residual = norm(r) / size_of_b
+    report%residual = length_of(operator, r) / size_of_b
   end subroutine conjugate_gradients
 
 
@@ -335,24 +344,24 @@ contains
     dx = 0
     rho_old = 1
     drift = 0
-    size_of_r = norm(r)
+    size_of_r = length_of(operator, r)
     largest = size_of_r
     do while (report%n_iterations < options%max_iterations)
       if (size_of_r <= max(target_residual, drift, UPDATE_RATIO * largest)) then
         is_end = size_of_r <= max(target_residual, drift)
         call update_residual(operator, b, dx, x, r, drift)
         if (is_end .and. drift > SMALL_DRIFT * size_of_r) report%status = KRYLOV_STAGNATED
-        size_of_r = norm(r)
+        size_of_r = length_of(operator, r)
         largest = size_of_r
         if (size_of_r <= target_residual) report%status = KRYLOV_CONVERGED
         if (report%status /= KRYLOV_MAX_ITERATIONS) return
       end if
       call preconditioner%apply(r, z)
       report%n_iterations = report%n_iterations + 1
-      rho = dot(r, z)
+      rho = inner(operator, r, z)
       p = z + rho / rho_old * p
       call operator%apply(p, a_p)
-      energy = dot(p, a_p)
+      energy = inner(operator, p, a_p)
       if (.not. (ieee_is_finite(rho) .and. ieee_is_finite(energy))) then
         report%status = KRYLOV_NOT_FINITE
       else if (rho <= 0 .or. energy <= 0) then
@@ -363,11 +372,11 @@ contains
       dx = dx + alpha * p
       r = r - alpha * a_p
       rho_old = rho
-      size_of_r = norm(r)
+      size_of_r = length_of(operator, r)
       largest = max(largest, size_of_r)
     end do
     call update_residual(operator, b, dx, x, r, drift)
-    if (norm(r) <= target_residual) report%status = KRYLOV_CONVERGED
+    if (length_of(operator, r) <= target_residual) report%status = KRYLOV_CONVERGED
   end subroutine run_cg_iterations
 
 
@@ -381,7 +390,7 @@ contains
     x = x + dx
     call operator%apply(x, dx)
     dx = b - dx
-    drift = norm(dx - r)
+    drift = length_of(operator, dx - r)
     r = dx
     dx = 0
   end subroutine update_residual
@@ -395,6 +404,34 @@ contains
     call operator%apply(x, r)
     r = b - r
   end subroutine residual_of
+
+
+  !> A sum over this part of a vector, completed to the sum over all parts: the sum itself for a whole vector.
+  subroutine complete_sum(self, sum)
+    class(operator_type), intent(inout) :: self
+    real(DP), intent(inout) :: sum
+    associate (unused => self, kept => sum)
+    end associate
+  end subroutine complete_sum
+
+
+  !> The scalar product of vectors on which an operator acts.
+  function inner(operator, x, y) result(product)
+    class(operator_type), intent(inout) :: operator
+    real(DP), intent(in) :: x(:), y(:)
+    real(DP) :: product
+    product = dot(x, y)
+    call operator%complete(product)
+  end function inner
+
+
+  !> Their 2-norm.
+  function length_of(operator, x) result(length)
+    class(operator_type), intent(inout) :: operator
+    real(DP), intent(in) :: x(:)
+    real(DP) :: length
+    length = sqrt(inner(operator, x, x))
+  end function length_of
 
 
   !> The scalar product in four interleaved sums: the order is fixed, and additions do not wait for each other.

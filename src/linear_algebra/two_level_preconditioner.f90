@@ -15,7 +15,7 @@
 !! References: Meijerink and van der Vorst, Math. Comp. 31 (1977) 148; Manteuffel, Math. Comp. 34 (1980) 473 (the shift);
 !! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts).
 module amontons_two_level_preconditioner
-  use amontons_kinds, only: DP, SP
+  use amontons_kinds, only: DP, SP, I64
   use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern, multiply, multiply_transpose
@@ -29,6 +29,8 @@ module amontons_two_level_preconditioner
     apply_preconditioner, choose_n_parts, &
     elements_of_part, two_level_megabytes, discard_preconditioner
   public :: rigid_motion
+  public :: take_coarse_space, factorise_first_level, factorise_second_level, apply_first_level, restrict_residual, &
+    solve_second_level, add_correction
 
   integer, parameter :: NODES_PER_PART = 60   !< fewer iterations with smaller parts, but a larger coarse factor | 0012
   real(DP), parameter :: COARSE_ENTRIES_RATIO = 30.0_DP   !< entries of the factor of Z'AZ over its size to the power 4/3 [-]
@@ -58,6 +60,15 @@ module amontons_two_level_preconditioner
     type(sparse_type) :: coarse_pattern                !< of Z'AZ, as analysed
     type(cholesky_type), allocatable :: coarse_factor  !< of Z'AZ, in single precision
   end type two_level_preconditioner_type
+
+  abstract interface
+    !> Completes the coarse matrix of a part of A to that of A.
+    subroutine complete_interface(coarse, error)
+      import :: sparse_type, error_type
+      type(sparse_type), intent(inout) :: coarse
+      type(error_type), allocatable, intent(out) :: error
+    end subroutine complete_interface
+  end interface
 
 contains
 
@@ -132,6 +143,35 @@ contains
   end subroutine offer_corner_space
 
 
+  !> The same Z at some of the unknowns.
+  subroutine take_coarse_space(self, whole, members)
+    type(two_level_preconditioner_type), intent(inout) :: self
+    type(two_level_preconditioner_type), intent(in) :: whole
+    integer, intent(in) :: members(:)                  !< unknowns of `whole`
+    integer :: i, n
+    self%n_parts = whole%n_parts
+    self%part = whole%part(members)
+    self%motion = whole%motion(:, members)
+    self%interpolation = sparse_type()
+    if (.not. allocated(whole%interpolation%first)) return
+    associate (from => whole%interpolation, P => self%interpolation)
+      P%n_rows = size(members)
+      P%n_columns = from%n_columns
+      allocate (P%first(P%n_rows + 1))
+      P%first(1) = 1
+      do i = 1, P%n_rows
+        P%first(i + 1) = P%first(i) + from%first(members(i) + 1) - from%first(members(i))
+      end do
+      allocate (P%column(P%first(P%n_rows + 1) - 1), P%value(P%first(P%n_rows + 1) - 1))
+      do i = 1, P%n_rows
+        n = from%first(members(i)) - P%first(i)
+        P%column(P%first(i):P%first(i + 1) - 1) = from%column(P%first(i) + n:P%first(i + 1) - 1 + n)
+        P%value(P%first(i):P%first(i + 1) - 1) = from%value(P%first(i) + n:P%first(i + 1) - 1 + n)
+      end do
+    end associate
+  end subroutine take_coarse_space
+
+
   !> Three translations and three rotations about the centre, at one unknown.
   pure function rigid_motion(axis, x) result(motion)
     integer, intent(in) :: axis                        !< 1 to 3
@@ -182,12 +222,23 @@ contains
     type(sparse_type), intent(in) :: matrix            !< A: symmetric, upper triangle with its diagonal
     logical, intent(out) :: is_broken                  !< .true.: A is far from positive definite, no preconditioner
     type(error_type), allocatable, intent(out) :: error
+    is_broken = .false.
+    call factorise_second_level(self, matrix, size(matrix%column, kind=I64), error)   ! first: its workspace is larger than U
+    if (.not. allocated(error)) call factorise_first_level(self, matrix, is_broken)
+  end subroutine factorise_two_level
+
+
+  !> U with the least shift of the diagonal with which it exists.
+  subroutine factorise_first_level(self, matrix, is_broken, least_shift)
+    type(two_level_preconditioner_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: matrix            !< A
+    logical, intent(out) :: is_broken                  !< .true.: A is far from positive definite
+    real(DP), intent(in), optional :: least_shift      !< to begin with in place of 0 [-]
     integer :: attempt
     is_broken = .false.
     self%n = matrix%n_rows
     self%shift = 0
-    call factorise_coarse_matrix(self, matrix, error)   ! first: its workspace is larger than U
-    if (allocated(error)) return
+    if (present(least_shift)) self%shift = least_shift
     call divide_into_domains(self, matrix)
     do attempt = 1, MAX_SHIFTS
       if (self%n_domains == 1) then
@@ -199,7 +250,7 @@ contains
       self%shift = max(INITIAL_SHIFT, 2.0_DP * self%shift)
     end do
     if (allocated(self%inner%value)) deallocate (self%inner%value)
-  end subroutine factorise_two_level
+  end subroutine factorise_first_level
 
 
   !> Divides the unknowns into a domain of consecutive parts for each thread, and A into its blocks on the domains.
@@ -343,29 +394,33 @@ contains
 
   !> The factor of Z'AZ: of the corners of quadratic elements if it is small enough, else of the motions of the parts. Missing
   !! motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
-  subroutine factorise_coarse_matrix(self, matrix, error)
+  subroutine factorise_second_level(self, matrix, n_entries, error, complete)
     type(two_level_preconditioner_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: matrix
+    type(sparse_type), intent(in) :: matrix            !< A, or a part: the sum over all parts is A
+    integer(I64), intent(in) :: n_entries            !< of A
     type(error_type), allocatable, intent(out) :: error
+    procedure(complete_interface), optional :: complete   !< sums the coarse matrices of the parts
     type(sparse_type) :: coarse
     integer :: i
     self%has_coarse_space = .false.
     if (allocated(self%interpolation%first)) then
       call project_to_corners(self%interpolation, matrix, coarse, error)
+      if (present(complete) .and. .not. allocated(error)) call complete(coarse, error)
       if (allocated(error)) return
-      call factorise_coarse(self, coarse, MAX_CORNER_ENTRIES * real(size(matrix%column), DP), error)
+      call factorise_coarse(self, coarse, MAX_CORNER_ENTRIES * real(n_entries, DP), error)
       if (allocated(error) .or. self%has_coarse_space) return
       self%interpolation = sparse_type()
       deallocate (self%coarse_factor)
     end if
     if (self%n_parts == 0) return
     call assemble_coarse_matrix(self, matrix, coarse, error)
+    if (present(complete) .and. .not. allocated(error)) call complete(coarse, error)
     if (allocated(error)) return
     do i = 1, coarse%n_rows
       if (.not. abs(coarse%value(coarse%first(i))) > 0.0_DP) coarse%value(coarse%first(i)) = 1
     end do
     call factorise_coarse(self, coarse, huge(1.0_DP), error)
-  end subroutine factorise_coarse_matrix
+  end subroutine factorise_second_level
 
 
   !> The factor of a coarse matrix, in single precision, unless it has too many entries or is not positive definite.
@@ -498,54 +553,69 @@ contains
     type(sparse_type), intent(in) :: matrix            !< the matrix it was built for: its pattern
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
-    call solve_incomplete(self, matrix, r, z)
+    real(DP), allocatable :: c(:)
+    call apply_first_level(self, matrix, r, z)
     if (.not. self%has_coarse_space) return
-    if (allocated(self%interpolation%first)) then
-      call add_corner_correction(self, r, z)
-    else
-      call add_motion_correction(self, r, z)
-    end if
+    call restrict_residual(self, r, c)
+    call solve_second_level(self, c)
+    call add_correction(self, c, z)
   end subroutine apply_preconditioner
 
 
-  !> Adds P inv(P'AP) P' r.
-  subroutine add_corner_correction(self, r, z)
+  !> c = Z' r.
+  subroutine restrict_residual(self, r, c)
     type(two_level_preconditioner_type), intent(in) :: self
     real(DP), intent(in) :: r(:)                       !< (n)
-    real(DP), intent(inout) :: z(:)                    !< (n)
-    real(DP), allocatable :: c(:), d(:), correction(:)
-    allocate (c(self%interpolation%n_columns), d(self%interpolation%n_columns), correction(size(z)))
-    call multiply_transpose(self%interpolation, r, c)
-    call solve(self%coarse_factor, c, d)
-    call multiply(self%interpolation, d, correction)
-    z = z + correction
-  end subroutine add_corner_correction
-
-
-  !> Adds Z inv(Z'AZ) Z' r with the motions of the parts.
-  subroutine add_motion_correction(self, r, z)
-    type(two_level_preconditioner_type), intent(in) :: self
-    real(DP), intent(in) :: r(:)                       !< (n)
-    real(DP), intent(inout) :: z(:)                    !< (n)
-    real(DP) :: c(6 * self%n_parts), d(6 * self%n_parts)
+    real(DP), allocatable, intent(out) :: c(:)         !< a number for each column of Z
     integer :: i
-    c = 0
-    do i = 1, self%n
+    if (allocated(self%interpolation%first)) then
+      allocate (c(self%interpolation%n_columns))
+      call multiply_transpose(self%interpolation, r, c)
+      return
+    end if
+    allocate (c(6 * self%n_parts), source=0.0_DP)
+    do i = 1, size(self%part)
       associate (a => 6 * (self%part(i) - 1))
         c(a + 1:a + 6) = c(a + 1:a + 6) + self%motion(:, i) * r(i)
       end associate
     end do
+  end subroutine restrict_residual
+
+
+  !> c becomes inv(Z'AZ) c.
+  subroutine solve_second_level(self, c)
+    type(two_level_preconditioner_type), intent(in) :: self
+    real(DP), allocatable, intent(inout) :: c(:)
+    real(DP), allocatable :: d(:)
+    allocate (d(size(c)))
     call solve(self%coarse_factor, c, d)
-    do i = 1, self%n
+    call move_alloc(d, c)
+  end subroutine solve_second_level
+
+
+  !> Adds Z c to z.
+  subroutine add_correction(self, c, z)
+    type(two_level_preconditioner_type), intent(in) :: self
+    real(DP), intent(in) :: c(:)
+    real(DP), intent(inout) :: z(:)                    !< (n)
+    real(DP), allocatable :: correction(:)
+    integer :: i
+    if (allocated(self%interpolation%first)) then
+      allocate (correction(size(z)))
+      call multiply(self%interpolation, c, correction)
+      z = z + correction
+      return
+    end if
+    do i = 1, size(self%part)
       associate (a => 6 * (self%part(i) - 1))
-        z(i) = z(i) + dot_product(self%motion(:, i), d(a + 1:a + 6))
+        z(i) = z(i) + dot_product(self%motion(:, i), c(a + 1:a + 6))
       end associate
     end do
-  end subroutine add_motion_correction
+  end subroutine add_correction
 
 
   !> z = inv(U) inv(U') r.
-  subroutine solve_incomplete(self, matrix, r, z)
+  subroutine apply_first_level(self, matrix, r, z)
     type(two_level_preconditioner_type), intent(in) :: self
     type(sparse_type), intent(in) :: matrix            !< A: its pattern is that of U, if there is one domain
     real(DP), intent(in) :: r(:)
@@ -567,7 +637,7 @@ contains
       end associate
     end do
     !$omp end parallel do
-  end subroutine solve_incomplete
+  end subroutine apply_first_level
 
 
   !> Forward and backward substitution with some rows of U.

@@ -3,7 +3,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_distributed_solver
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, has_distributed_solvers, DISTRIBUTED_GAMG, &
-    DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_NAMES
+    DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, DISTRIBUTED_NAMES
   use amontons_errors, only: error_type, EXIT_SOLVER
   use amontons_kinds, only: DP
   use amontons_sparse, only: sparse_type
@@ -22,7 +22,7 @@ program test_distributed_solver
   call suite%that('error', allocated(error))
   if (allocated(error)) call suite%that('its code', error%code == EXIT_SOLVER .and. index(error%message, 'PETSc') > 0)
   call suite%that('names', DISTRIBUTED_NAMES(DISTRIBUTED_GAMG) == 'GAMG' .and. DISTRIBUTED_NAMES(DISTRIBUTED_HYPRE) == 'hypre' &
-    .and. DISTRIBUTED_NAMES(DISTRIBUTED_MUMPS) == 'MUMPS')
+    .and. DISTRIBUTED_NAMES(DISTRIBUTED_MUMPS) == 'MUMPS' .and. DISTRIBUTED_NAMES(DISTRIBUTED_TWO_LEVEL) == 'two-level iteration')
   call suite%finish()
 
 end program test_distributed_solver
