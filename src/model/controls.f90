@@ -164,8 +164,8 @@ module amontons_controls
     real(DP) :: skin_solves = 650.0_DP     !< solutions with the bulk in a job with contact by the skin | 0021
     real(DP) :: skin_work_ratio = 2.0_DP   !< work of the iterations that two levels take for one with a factor, over that of one
                                            !! iteration [-] | 0021
-    integer :: min_ranks_shared = 4        !< ranks from which a large A is shared by default: on one rank MUMPS takes twice the
-                                           !! time of the factor, GAMG 2.6 times that of the iteration | doc/performance.md
+    integer :: min_ranks_shared = 4        !< ranks from which they share a factor by default: on one rank MUMPS takes twice the
+                                           !! time of the factor | doc/performance.md
     real(DP) :: max_iteration_work_ratio = 1.5_DP   !< iterations may take so many times the work of the factor [-] | reduced_system
     integer :: max_cg_iterations = 2000    !< where a factor does not fit into memory | set
     real(DP) :: factor_entries_ratio = 60.0_DP   !< entries of a factor over n^(4/3): more than a compact body has [-] |

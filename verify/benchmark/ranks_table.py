@@ -1,0 +1,118 @@
+"""Iterations, halo and messages of the iteration on two levels over the ranks: tables in Markdown.
+
+    python -m verify.benchmark.ranks_table [--fixed 26] [--ranks 1 2 4 16 64] [--weak 10] [--weak-ranks 1 2 4 8 16]
+    python -m verify.benchmark.ranks_table --speed linear plastic [--edge 54]
+
+The first command solves a fixed cube of C3D8 on so many ranks, and cubes whose unknowns grow with the ranks (weak scaling: the edge is
+that of one rank times the cube root of the ranks). Iterations and counters are those that the job prints; they do not depend on how
+many cores there are. "Paper" is the halo of a cube of so many unknowns: the nodes of its six faces, three numbers of eight bytes each.
+
+With --speed it takes the elapsed time of one and of two ranks in turns, three times, on a machine with two free cores, and prints
+medians and their ratio: a linear cube, and the same cube with plasticity and NLGEOM in three increments.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from verify.benchmark.estimate_table import cube
+from verify.distributed import ranks_and_serial
+from verify.distributed.ranks_and_serial import Outcome, run
+
+SOLVER = ", SOLVER=ITERATIVE SCALING"
+HEAD = (
+    "| ranks | unknowns | iterations | unknowns of a rank | halo | neighbours | messages an iteration | kB an iteration | kB a product | paper | coarse |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|"
+)
+COUNTERS = re.compile(
+    r"A rank has at most (\d+) unknowns, (\d+) in its halo and (\d+) neighbours; it sends ([\d.]+) messages and ([\d.]+) kilobytes in a "
+    r"Krylov iteration\. (\d+) coarse unknowns"
+)
+EXCHANGES = 3  #: of an iteration: the direction, the residual, and what U gives in the halo
+N_TURNS = 3
+
+
+def plastic(edge: int) -> str:
+    """The cube with isotropic hardening, NLGEOM and three increments, compressed to three times its yield strain."""
+    deck = cube(edge, SOLVER).replace("*ELASTIC\n", "*PLASTIC\n200., 0.\n400., 0.1\n*ELASTIC\n")
+    deck = deck.replace("*STEP\n", "*STEP, NLGEOM\n").replace("*CLOAD\nHIGH, 3, -1.", "*BOUNDARY\nHIGH, 3, 3, -0.003")
+    return deck.replace(f"*STATIC{SOLVER}\n", f"*STATIC{SOLVER}, DIRECT\n1., 3.\n")
+
+
+def checked(folder: Path, deck: str, n_ranks: int) -> Outcome:
+    """Runs a deck, which must end well."""
+    outcome = run(folder, deck, n_ranks)
+    if outcome.code != 0:
+        raise SystemExit(f"The job on {n_ranks} ranks ended with exit code {outcome.code}:\n{outcome.text}")
+    return outcome
+
+
+def row(folder: Path, edge: int, n_ranks: int) -> str:
+    """A row of the table."""
+    text = checked(folder, cube(edge, SOLVER), n_ranks).text
+    iterations = re.search(r"Krylov iterations +(\d+)", text)
+    unknowns = 3 * edge * (edge + 1) ** 2
+    start = f"| {n_ranks} | {unknowns} | {iterations[1] if iterations else '-'} | "
+    found = COUNTERS.search(text)
+    if not found:
+        return start + f"{unknowns} | 0 | 0 | 0 | 0 | 0 | - | - |"
+    own, halo, neighbours, messages, kilobytes, coarse = found.groups()
+    paper = 6 * (int(own) / 3) ** (2 / 3) * 24e-3
+    return start + (
+        f"{own} | {halo} | {neighbours} | {messages} | {kilobytes} | {float(kilobytes) / EXCHANGES:.1f} | {paper:.0f} | {coarse} |"
+    )
+
+
+def speed(folder: Path, name: str, deck: str) -> str:
+    """Elapsed seconds of one and two ranks in turns."""
+    seconds: dict[int, list[float]] = {1: [], 2: []}
+    for _ in range(N_TURNS):
+        for n, times in seconds.items():
+            start = time.monotonic()
+            checked(folder, deck, n)
+            times.append(time.monotonic() - start)
+    one, two = (statistics.median(times) for times in seconds.values())
+    return f"| {name} | {one:.1f} | {two:.1f} | {one / two:.2f} |"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Prints the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fixed", type=int, default=26)
+    parser.add_argument("--ranks", nargs="*", type=int, default=[1, 2, 4, 16, 64])
+    parser.add_argument("--weak", type=int, default=10)
+    parser.add_argument("--weak-ranks", nargs="*", type=int, default=[1, 2, 4, 8, 16])
+    parser.add_argument("--speed", nargs="*", choices=["linear", "plastic"], default=[])
+    parser.add_argument("--edge", type=int, default=54)
+    options = parser.parse_args(arguments)
+    ranks_and_serial.TIME_LIMIT = 3600
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if options.speed:
+            print(f"| {options.edge**3} elements | one rank, s | two ranks, s | ratio |\n|---|---|---|---|")
+            decks = {"linear": cube(options.edge, SOLVER), "plastic": plastic(options.edge)}
+            for job in options.speed:
+                print(speed(folder, job, decks[job]), flush=True)
+            return 0
+        for title, rows in (
+            ("A fixed cube:", [(options.fixed, n) for n in options.ranks]),
+            ("A cube that grows with the ranks:", [(round(options.weak * n ** (1 / 3)), n) for n in options.weak_ranks]),
+        ):
+            print(f"{title}\n\n{HEAD}")
+            for edge, n in rows:
+                print(row(folder, edge, n), flush=True)
+            print()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
