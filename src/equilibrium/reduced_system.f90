@@ -67,6 +67,7 @@ module amontons_reduced_system
     integer :: use = USE_ONCE                      !< USE_...; USE_SKIN: the factor is kept in single precision
     logical :: is_current = .false.                !< the factor is that of the present K and C
     logical :: is_reusable = .false.               !< it is that of an earlier iteration of the present attempt
+    logical :: is_shifted = .false.                !< it is that of A plus a share of its diagonal: A is not positive
     character(:), allocatable :: message              !< the choice, for the log; not allocated: nothing to report
     type(sparse_type) :: analysed_map              !< C of the last factor; of its pattern reduction and factor were analysed
     type(sparse_type) :: analysed_with_springs           !< the pattern of K with springs; not allocated without springs
@@ -149,6 +150,7 @@ contains
     self%n_factorised = 1
     self%is_current = status == FACTOR_OK
     self%is_reusable = self%is_current
+    self%is_shifted = .not. self%is_current
     if (.not. self%is_current .and. self%is_shift_allowed) call factorise_shifted(self, status, error)
     if (allocated(error) .or. status /= FACTOR_OK) return
     if (self%use == USE_SKIN) call round_factor(self%factor)
@@ -610,9 +612,9 @@ contains
   end subroutine apply_reduced_inverse
 
 
-  !> Solves A x = b by conjugate gradients in place of a factor.
+  !> Solves A x = b by conjugate gradients: in place of a factor, or with one of another matrix as preconditioner.
   subroutine iterate_reduced_system(self, b, x, options, report, error)
-    type(reduced_system_type), intent(inout), target :: self   !< is_iterative
+    type(reduced_system_type), intent(inout), target :: self
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: x(:)                !< (n_free) in: first guess; out: solution [length]
     type(krylov_options_type), intent(in) :: options
@@ -620,7 +622,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(matrix_operator_type) :: matrix
     type(inverse_type) :: preconditioner
-    select case (self%distributed_kind)
+    select case (merge(self%distributed_kind, DISTRIBUTED_NONE, self%is_iterative))
     case (DISTRIBUTED_NONE)
       matrix%matrix => self%matrix
       preconditioner%system => self

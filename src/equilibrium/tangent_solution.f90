@@ -1,8 +1,8 @@
 !> Solution of the linearised equations: a direction by the present factor, exact tangent by a Krylov method, and along the path.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! J dv = C' R is solved by GMRES with A as the preconditioner, by conjugate gradients where J = A, or by UMFPACK
-!! (doc/theory/solver.md). The symbols are those of newton_step.
+!! J dv = C' R is solved by GMRES with A as the preconditioner, by conjugate gradients where J = A or A is not positive, or by
+!! UMFPACK (doc/theory/solver.md). The symbols are those of newton_step.
 module amontons_tangent_solution
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -151,6 +151,11 @@ contains
       options%max_iterations = system%max_old_iterations
       options%tolerance = min(system%forcing_term, system%controls%linear_solver%old_factor_tolerance)
     end if
+    if (system%has_flow .and. size(system%contact_tangents) == 0 .and. system%reduced_system%is_shifted .and. &
+      .not. is_iterative) then
+      call solve_for_descent(system, options, b, v, error)
+      return
+    end if
     system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
     is_symmetric = size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)
     if (is_iterative .and. is_symmetric) then
@@ -173,6 +178,23 @@ contains
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
     if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
   end subroutine run_krylov
+
+
+  !> A direction that descends where A is not positive: conjugate gradients on A with the shifted factor as preconditioner, as far
+  !! as they meet positive curvature; if the first direction has none, that direction. Where A is singular only, they converge.
+  !! Source: T. Steihaug, SIAM J. Numer. Anal. 20 (1983) 626.
+  subroutine solve_for_descent(system, options, b, v, error)
+    type(equilibrium_type), intent(inout) :: system
+    type(krylov_options_type), intent(in) :: options
+    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
+    real(DP), intent(inout) :: v(:)                !< (n_free) in: 0 [length]
+    type(error_type), allocatable, intent(out) :: error
+    type(krylov_report_type) :: report
+    call iterate_reduced_system(system%reduced_system, b, v, options, report, error)
+    if (allocated(error)) return
+    system%n_krylov = system%n_krylov + report%n_iterations
+    if (all(v == 0.0_DP)) call apply_reduced_inverse(system%reduced_system, b, v)
+  end subroutine solve_for_descent
 
 
   !> Solves J v = b with the contact skin. The linearised model includes the remaining residual, and the next correction reduces it.

@@ -202,9 +202,11 @@ contains
     integer, intent(out) :: verdict                !< VERDICT_...
     type(controls_type) :: controls
     logical :: is_contact_active                          ! contact, not plasticity, delays convergence
+    logical :: is_near_collapse                           ! the flow of a law made A lose its sign in this attempt
     controls = controls_of(step)
     is_contact_active = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
       newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! yielding takes iterations
+    is_near_collapse = system%has_flow .and. system%n_shifted > newton%n_shifted
     verdict = assess_convergence(controls, newton%measures)
     if (newton%globalization%step_kind == STEP_KIND_SNAP_THROUGH .and. verdict /= VERDICT_CONVERGED &
       .and. n_counted(newton%measures) < controls%i_c) &
@@ -214,7 +216,7 @@ contains
     if (verdict == VERDICT_CONTINUE .and. newton%can_be_cut_back .and. newton%globalization%step_kind == STEP_KIND_NEWTON) then
       if (step%solver == SOLVER_GRADIENTS) then
         call assess_growth(controls%newton, newton%measures, verdict)
-      else if (is_contact_active) then
+      else if (is_contact_active .or. is_near_collapse) then
         call assess_early(controls%newton, newton%measures, verdict)
       end if
     end if

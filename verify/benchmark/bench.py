@@ -1,6 +1,6 @@
 """Times Amontons against CalculiX on the same decks, in turn, and writes the table of doc/performance.md.
 
-    python -m verify.benchmark.bench [--cases friction-nlgeom friction linear hertz plastic ironing] [--sizes 10 15 21] [--runs 3]
+    python -m verify.benchmark.bench [--cases friction-nlgeom friction linear hertz plastic bracket ironing] [--sizes 10 15 21] [--runs 3]
                                      [--threads 1 2] [--curved] [--surface-to-surface] [--keep FILE] [--kernels FILE] [--write]
 
 All decks are in the calculix dialect: the same element and contact law in both programs.
@@ -10,9 +10,11 @@ All decks are in the calculix dialect: the same element and contact law in both 
 | friction-nlgeom, friction | a block 1 x 1 x 0.5 is pressed by 0.002 on a block 2 x 2 x 1, dragged by 0.004; ten increments each |
 | linear | a cube on a fixed face, pulled sideways and pressed: one increment, one linear system |
 | plastic | a cube of an elastic-plastic material upset by a tenth between rough tools: NLGEOM, automatic increments |
+| bracket | an angle bracket of C3D10 (verify/decks/brackets.py) near its plastic limit load: NLGEOM, automatic increments |
 | hertz, ironing | the decks of input/; they have one size |
 
-The size is the number of elements on an edge; friction has some 6.7 n^3 unknowns, a cube 3 (n + 1)^3. Runs alternate, medians are
+The size is the number of elements on an edge; friction has some 6.7 n^3 unknowns, a cube 3 (n + 1)^3, a bracket of
+n elements through its thickness some 1400 n^3. Runs alternate, medians are
 compared; processor time is the operating system's account of each process, so that other work on the machine disturbs both alike.
 Two threads are compared by the time that passes. CalculiX runs on one thread, and once for all threads of ours. --keep remembers
 its figures in a file and takes them from there the next time; without CalculiX (ccx) in the path only our own are printed. A program
@@ -40,6 +42,7 @@ from pathlib import Path
 
 import numpy as np
 
+from verify.decks.brackets import Bracket
 from verify.decks.make_decks import STEEL, Mesh, block, block_deck, hertz_deck, ironing_deck, material_cards, mesh_cards
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,7 +50,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 DIALECT = "** dialect: calculix\n"
 OUTPUT = "*NODE FILE\nU, RF\n*EL FILE\nS, E\n"
-CASES = ["friction-nlgeom", "friction", "linear", "plastic", "hertz", "ironing"]
+CASES = ["friction-nlgeom", "friction", "linear", "plastic", "bracket", "hertz", "ironing"]
 ONE_SIZE = {"hertz", "ironing"}
 
 
@@ -121,6 +124,8 @@ def deck_of(case: str, size: int, options: argparse.Namespace) -> str:
         return linear_deck(size)
     if case == "plastic":
         return plastic_deck(size)
+    if case == "bracket":
+        return DIALECT + Bracket("C3D10", size, 10 * size // 3, 20 * size // 3, "300., 0.\n310., 0.2\n", 2.36, True).deck()
     if case == "hertz":
         return DIALECT + hertz_deck()
     if case == "ironing":
