@@ -9,6 +9,7 @@ called `read`, two blank lines stand between procedures.
 import contextlib
 import difflib
 import io
+import multiprocessing
 import re
 import sys
 from pathlib import Path
@@ -89,8 +90,11 @@ def main() -> int:
     arguments = sys.argv[1:]
     is_check = "--check" in arguments
     n_different = 0
-    for path in (Path(name) for name in arguments if name != "--check"):
-        old, new = path.read_text(), lay_out(path)
+    paths = [Path(name) for name in arguments if name != "--check"]
+    with multiprocessing.Pool() as pool:
+        laid_out = pool.map(lay_out, paths)
+    for path, new in zip(paths, laid_out, strict=True):
+        old = path.read_text()
         if old == new:
             continue
         n_different += 1
