@@ -15,6 +15,7 @@
 module amontons_user_material
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
+  use amontons_text, only: to_text, plural
   use amontons_logarithmic_strain, only: voigt_transformation
   use amontons_materials, only: material_type, USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, &
     USER_ROTATION, USER_STATE
@@ -34,6 +35,8 @@ module amontons_user_material
   end type umat_point_type
 
   integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< components here are xx yy zz xy yz xz, there 11 22 33 12 13 23
+  integer, parameter :: N_GUARDS = 1000           !< numbers behind STATEV that the call at rest must not change
+  real(DP), parameter :: GUARD = 1.7e-181_DP      !< these numbers: no result of a routine [-]
   integer, parameter :: HISTORY_OFFSET = USER_STRESS - 1     !< number of history variables before those of umat_point_type
 
 contains
@@ -219,12 +222,21 @@ contains
     real(DP), intent(in) :: initial_statev(:)      !< there
     type(error_type), allocatable, intent(out) :: error
     type(umat_type) :: values
-    real(DP) :: statev(size(initial_statev))
+    real(DP) :: statev(size(initial_statev) + N_GUARDS)
     character(USER_NAME_LENGTH) :: name
+    integer :: i, n
     name = material%name
     values = at_rest
-    statev = initial_statev
-    call call_umat(material%routines, name, material%props, statev, values)
+    n = size(initial_statev)
+    statev(:n) = initial_statev
+    statev(n + 1:) = GUARD
+    call call_umat(material%routines, name, material%props, statev(:n), values)
+    do i = N_GUARDS, 1, -1
+      if (.not. abs(statev(n + i) - GUARD) > 0.0_DP) cycle
+      call set_error(error, EXIT_SETUP, 'UMAT of the material ''' // material%name // ''' writes STATEV(' // to_text(n + i) // &
+        '), but *DEPVAR gives it ' // plural(n, 'state variable') // '.')
+      return
+    end do
     if (values%is_accepted == 0 .or. .not. all(abs(values%ddsdde) <= huge(1.0_DP))) then
       call set_error(error, EXIT_SETUP, 'UMAT gives no DDSDDE for the material ''' // material%name // &
         ''' at rest (no strain, initial STATEV): it calls XIT, or gives what is not finite.')

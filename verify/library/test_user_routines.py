@@ -654,6 +654,15 @@ def test_crash_in_the_first_call(run: Run, tmp_path: Path) -> None:
     assert "Set AMONTONS_FFLAGS to -fcheck=all" in done.stdout
 
 
+def test_writes_behind_statev(run: Run, tmp_path: Path) -> None:
+    """A routine that fills more state variables than *DEPVAR gives: named before it breaks the memory of the job."""
+    routines = with_lines("      DO K=1,NSTATV+3\n      STATEV(K)=1.D0*K\n      END DO\n", tmp_path)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", f"user={routines.name}"], cwd=tmp_path)
+    assert done.returncode == SETUP, done.stdout
+    assert "UMAT of the material 'STUFF' writes STATEV(4), but *DEPVAR gives it 1 state variable." in done.stdout
+
+
 def test_checks_of_the_compiler(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The remedy for a crash: flags for the compiler that name line and array."""
     routines = with_lines("      K=7*KINC\n      STRESS(K)=0.D0\n", tmp_path)
