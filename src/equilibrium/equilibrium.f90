@@ -75,7 +75,7 @@ module amontons_equilibrium
     type(reduced_system_type) :: reduced_system                  !< A and its factor
     type(lu_type) :: indefinite_factor             !< of J in a RIKS step, where A is not positive
     logical :: is_indefinite = .false.             !< the present direction uses it
-    logical :: has_flow = .false.                  !< a law has a history: plasticity, creep
+    logical :: may_collapse = .false.              !< a limit load is possible: a law flows, and forces alone act in the step
     type(schur_interface_type) :: schur_interface              !< the factor of the bulk and the Schur complement of the interface,
                                                                !! where that is cheaper
     type(skin_type) :: skin                        !< the preconditioner of wide contact interfaces
@@ -273,7 +273,7 @@ contains
     system%reduced_system%controls = step%controls%linear_solver
     system%reduced_system%requested_solver = step%solver
     system%reduced_system%is_shift_allowed = .not. step%is_riks
-    system%has_flow = any(model%materials%n_history > 0)
+    system%may_collapse = any(model%materials%n_history > 0) .and. .not. has_moving_supports(step)
     system%reduced_system%use = merge(USE_REPEATED, USE_ONCE, size(state%old%slaves) > 0 .or. &
       (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period))
     call update_base_constraints(system, model, step, state%old, error)
@@ -296,6 +296,14 @@ contains
     has_linear_bulk = all(model%materials%is_linear_isotropic) .and. .not. (allocated(model%mesh%spring) .or. &
       allocated(model%user_elements))
   end function has_linear_bulk
+
+
+  !> Whether displacements are prescribed that are not zero.
+  pure logical function has_moving_supports(step)
+    type(step_type), intent(in) :: step
+    has_moving_supports = any(.not. step%prescribed%is_held .and. (abs(step%prescribed%start) > 0.0_DP .or. &
+      abs(step%prescribed%end) > 0.0_DP))
+  end function has_moving_supports
 
 
   !> Whether the bulk depends on the length of the increment.
