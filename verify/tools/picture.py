@@ -40,6 +40,8 @@ from matplotlib.tri import Triangulation  # noqa: E402
 
 from amontons.report import data, round_factor  # noqa: E402
 from amontons.report.data import Floats, Ints  # noqa: E402
+from PIL import Image  # noqa: E402
+
 from verify.tools import scene, slave_map  # noqa: E402
 from verify.tools.scene import Section, camera  # noqa: E402
 from verify.tools.slave_map import Map, Pair  # noqa: E402
@@ -390,7 +392,16 @@ def draw(job: Job, k: int, output: Path, pair: int | None = None, section: Secti
         figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.03, hspace=0.04)
         figure.savefig(output, facecolor="white")
         plt.close(figure)
+    if output.suffix == ".png":
+        reduce_colours(output)
     return view.factor
+
+
+def reduce_colours(path: Path) -> None:
+    """A picture of 256 colours, which looks the same and has a fifth of the bytes."""
+    with Image.open(path) as image:
+        reduced = image.convert("RGB").quantize(256, method=Image.Quantize.MAXCOVERAGE, kmeans=2, dither=Image.Dither.NONE)
+    reduced.save(path, optimize=True)
 
 
 def shape(path: Path) -> tuple[plt.Figure, str]:
