@@ -392,8 +392,6 @@ def draw(job: Job, k: int, output: Path, pair: int | None = None, section: Secti
         figure.get_layout_engine().set(w_pad=0.12, h_pad=0.08, wspace=0.03, hspace=0.04)
         figure.savefig(output, facecolor="white")
         plt.close(figure)
-    if output.suffix == ".png":
-        reduce_colours(output)
     return view.factor
 
 
@@ -452,6 +450,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     output = options.output or options.result.with_suffix(".png")
     factor = draw(job, options.increment % count, output, None if options.pair is None else options.pair - 1, section, options.bodies)
+    if output.suffix == ".png":
+        reduce_colours(output)
     print(f"{output} (displacements magnified by {factor:g})")
     return 0
 
