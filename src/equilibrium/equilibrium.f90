@@ -50,7 +50,7 @@ module amontons_equilibrium
     directional_residual, residual_sizes, largest_above_rounding
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
-  public :: mean_diagonal_stiffness, is_matrix_free_step, evaluate_points
+  public :: mean_diagonal_stiffness, is_matrix_free_step, has_moving_supports, evaluate_points
   public :: update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns, start_clock, stop_clock
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
@@ -298,11 +298,12 @@ contains
   end function has_linear_bulk
 
 
-  !> Whether displacements are prescribed that are not zero.
+  !> Whether prescribed displacements change in a step.
   pure logical function has_moving_supports(step)
     type(step_type), intent(in) :: step
-    has_moving_supports = any(.not. step%prescribed%is_held .and. (abs(step%prescribed%start) > 0.0_DP .or. &
-      abs(step%prescribed%end) > 0.0_DP))
+    has_moving_supports = any(.not. step%prescribed%is_held .and. (step%prescribed%is_velocity .or. step%prescribed%is_user .or. &
+      step%prescribed%is_from_current .or. abs(step%prescribed%end - step%prescribed%start) > 0.0_DP .or. &
+      (step%prescribed%amplitude > 0 .and. abs(step%prescribed%end) > 0.0_DP)))
   end function has_moving_supports
 
 

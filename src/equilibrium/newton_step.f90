@@ -40,7 +40,7 @@ module amontons_newton_step
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows, has_spring
   use amontons_contact_operators, only: assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
-    n_interface_unknowns, mean_diagonal_stiffness, start_clock, stop_clock, OUTCOME_OK, &
+    has_moving_supports, n_interface_unknowns, mean_diagonal_stiffness, start_clock, stop_clock, OUTCOME_OK, &
     OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
@@ -337,14 +337,6 @@ contains
     end if
     call collect_constraints(system, model, step, state%old, state%new, offset_fraction, error)
   end subroutine build_constraints
-
-
-  !> Whether prescribed displacements change with the loads.
-  pure logical function has_moving_supports(step)
-    type(step_type), intent(in) :: step
-    has_moving_supports = any(.not. step%prescribed%is_held .and. (step%prescribed%is_velocity .or. &
-      step%prescribed%is_from_current .or. abs(step%prescribed%end - step%prescribed%start) > 0.0_DP))
-  end function has_moving_supports
 
 
   !> C and c of all constraints at the load factor of the fields.

@@ -67,7 +67,6 @@ module amontons_reduced_system
     integer :: use = USE_ONCE                      !< USE_...; USE_SKIN: the factor is kept in single precision
     logical :: is_current = .false.                !< the factor is that of the present K and C
     logical :: is_reusable = .false.               !< it is that of an earlier iteration of the present attempt
-    logical :: is_shifted = .false.                !< it is that of A plus a share of its diagonal: A is not positive
     character(:), allocatable :: message              !< the choice, for the log; not allocated: nothing to report
     type(sparse_type) :: analysed_map              !< C of the last factor; of its pattern reduction and factor were analysed
     type(sparse_type) :: analysed_with_springs           !< the pattern of K with springs; not allocated without springs
@@ -150,7 +149,6 @@ contains
     self%n_factorised = 1
     self%is_current = status == FACTOR_OK
     self%is_reusable = self%is_current
-    self%is_shifted = .not. self%is_current
     if (.not. self%is_current .and. self%is_shift_allowed) call factorise_shifted(self, status, error)
     if (allocated(error) .or. status /= FACTOR_OK) return
     if (self%use == USE_SKIN) call round_factor(self%factor)

@@ -22,7 +22,7 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(tie_type) :: common
-    integer :: status, n
+    integer :: status
     call open_card(reader, c, parameters, row)
     common%name = parameter_text(parameters, 'NAME')
     common%line = reader%cards%line_number(reader%cards%cards(c)%line)
@@ -33,13 +33,7 @@ contains
       if (status == NUMBER_OK .and. common%tolerance < 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
         'POSITION TOLERANCE must not be negative.')
     end if
-    n = 0
-    do while (next_row(reader%cards, row))
-      n = n + 1
-      call check_n_fields(reader, row, 2)
-      call add_tie(reader, model, row, common)
-    end do
-    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*TIE needs a data line: slave surface, master surface.')
+    call add_ties(reader, model, c, row, common, '*TIE needs a data line: slave surface, master surface.')
   end subroutine read_tie
 
 
@@ -64,15 +58,31 @@ contains
       call report_error(reader, reader%cards%cards(c)%line, 'CalculiX has no TIED here: use *TIE, or *SURFACE BEHAVIOR, ' // &
         'PRESSURE-OVERCLOSURE=TIED.')
     else
-      do while (next_row(reader%cards, row))
-        call check_n_fields(reader, row, 2)
-        call add_tie(reader, model, row, common)
-      end do
+      call add_ties(reader, model, c, row, common, '*CONTACT PAIR needs a data line: slave, master.')
     end if
   end subroutine read_tied_pair
 
 
-  !> One row of TIE.
+  !> All rows of a card: a tie for each.
+  subroutine add_ties(reader, model, c, row, common, without_rows)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(data_row_type), intent(inout) :: row
+    type(tie_type), intent(in) :: common
+    character(*), intent(in) :: without_rows     !< the message if there is none
+    integer :: n
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call check_n_fields(reader, row, 2)
+      call add_tie(reader, model, row, common)
+    end do
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, without_rows)
+  end subroutine add_ties
+
+
+  !> A tie.
   subroutine add_tie(reader, model, row, common)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model

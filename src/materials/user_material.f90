@@ -224,19 +224,19 @@ contains
     type(umat_type) :: values
     real(DP) :: statev(size(initial_statev) + N_GUARDS)
     character(USER_NAME_LENGTH) :: name
-    integer :: i, n
+    integer :: last, n
     name = material%name
     values = at_rest
     n = size(initial_statev)
     statev(:n) = initial_statev
     statev(n + 1:) = GUARD
     call call_umat(material%routines, name, material%props, statev(:n), values)
-    do i = N_GUARDS, 1, -1
-      if (.not. abs(statev(n + i) - GUARD) > 0.0_DP) cycle
-      call set_error(error, EXIT_SETUP, 'UMAT of the material ''' // material%name // ''' writes STATEV(' // to_text(n + i) // &
+    last = findloc(.not. abs(statev(n + 1:) - GUARD) <= 0.0_DP, .true., dim=1, back=.true.)
+    if (last > 0) then
+      call set_error(error, EXIT_SETUP, 'UMAT of the material ''' // material%name // ''' writes STATEV(' // to_text(n + last) // &
         '), but *DEPVAR gives it ' // plural(n, 'state variable') // '.')
       return
-    end do
+    end if
     if (values%is_accepted == 0 .or. .not. all(abs(values%ddsdde) <= huge(1.0_DP))) then
       call set_error(error, EXIT_SETUP, 'UMAT gives no DDSDDE for the material ''' // material%name // &
         ''' at rest (no strain, initial STATEV): it calls XIT, or gives what is not finite.')

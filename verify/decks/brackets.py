@@ -34,10 +34,8 @@ class Bracket:
         mesh = block(x, np.linspace(0, WIDTH, self.n_width + 1), LENGTH - x[::-1], "BRACKET")
         centres = mesh.nodes[mesh.elements].mean(axis=1)
         elements = mesh.elements[(centres[:, 0] < THICKNESS) | (centres[:, 2] > LENGTH - THICKNESS)]
-        used = np.unique(elements)
-        new = np.full(len(mesh.nodes), -1)
-        new[used] = np.arange(len(used))
-        mesh.nodes, mesh.elements = mesh.nodes[used], new[elements]
+        kept, numbers = np.unique(elements, return_inverse=True)
+        mesh.nodes, mesh.elements = mesh.nodes[kept], numbers.reshape(elements.shape)
         return mesh
 
     def deck(self, controls: str = "") -> str:
