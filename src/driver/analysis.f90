@@ -300,6 +300,7 @@ contains
         dt = min(propose_increment(analysis%stepping, step), until - analysis%stepping%step_time)
         call begin_trial(analysis, dt, error)
         analysis%newton%can_be_cut_back = can_cut_back(analysis%stepping, step, dt)
+        analysis%system%seeks_descent = analysis%system%may_collapse .and. analysis%newton%can_be_cut_back
         if (analysis%newton%can_be_cut_back .and. analysis%stepping%attempt == 1) &
           call delay_snap_through(analysis%newton%globalization, step%controls%globalization)
         do

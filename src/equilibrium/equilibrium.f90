@@ -76,6 +76,7 @@ module amontons_equilibrium
     type(lu_type) :: indefinite_factor             !< of J in a RIKS step, where A is not positive
     logical :: is_indefinite = .false.             !< the present direction uses it
     logical :: may_collapse = .false.              !< a limit load is possible: a law flows, and forces alone act in the step
+    logical :: seeks_descent = .false.             !< so it is, and a shorter increment can follow an attempt that ends beyond it
     type(schur_interface_type) :: schur_interface              !< the factor of the bulk and the Schur complement of the interface,
                                                                !! where that is cheaper
     type(skin_type) :: skin                        !< the preconditioner of wide contact interfaces

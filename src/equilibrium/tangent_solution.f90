@@ -151,7 +151,7 @@ contains
       options%max_iterations = system%max_old_iterations
       options%tolerance = min(system%forcing_term, system%controls%linear_solver%old_factor_tolerance)
     end if
-    if (system%may_collapse .and. size(system%contact_tangents) == 0 .and. system%reduced_system%n_shifted > 0 .and. &
+    if (system%seeks_descent .and. size(system%contact_tangents) == 0 .and. system%reduced_system%n_shifted > 0 .and. &
       .not. is_iterative) then
       call solve_for_descent(system, options, b, v, error)
       return

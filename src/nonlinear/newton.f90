@@ -206,7 +206,7 @@ contains
     controls = controls_of(step)
     is_contact_active = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
       newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! yielding takes iterations
-    is_near_collapse = system%may_collapse .and. system%n_shifted > newton%n_shifted
+    is_near_collapse = system%seeks_descent .and. system%n_shifted > newton%n_shifted
     verdict = assess_convergence(controls, newton%measures)
     if (newton%globalization%step_kind == STEP_KIND_SNAP_THROUGH .and. verdict /= VERDICT_CONVERGED &
       .and. n_counted(newton%measures) < controls%i_c) &

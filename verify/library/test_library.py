@@ -288,7 +288,7 @@ def test_many_jobs_in_four_threads() -> None:
 
 
 #: Modules below Newton's loop that deal with words: in errors before the first increment, in checkpoints, and (reduced) under the turn.
-WORDY = {"containers", "restart_file", "facets", "posix", "reduced_system", "text", "user_routines"}
+WORDY = {"containers", "restart_file", "facets", "posix", "reduced_system", "text", "user_material", "user_routines"}
 #: Variables that outlive a call: locks, signals, whose routine runs (of each thread), the signal handlers of the process while user
 #: routines are open and before the main program's, the turn, and what the compiler makes: lengths of strings (slen), types of
 #: variables without values (def_init), its own beginnings and ends.
