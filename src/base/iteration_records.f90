@@ -7,12 +7,15 @@ module amontons_iteration_records
   private
   public :: iteration_record_type, increment_record_type
   public :: REPORT_LINE_LENGTH
-  public :: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV, PHASE_OUTPUT, PHASE_OTHER, N_PHASES, PHASE_NAMES
+  public :: PHASE_READING, PHASE_MODEL, PHASE_PLANNING, PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV, PHASE_OUTPUT, &
+    PHASE_OTHER, N_PHASES, PHASE_NAMES
 
-  integer, parameter :: PHASE_ASSEMBLY = 1, PHASE_CONTACT = 2, PHASE_FACTOR = 3, PHASE_KRYLOV = 4, PHASE_OUTPUT = 5, &
-    PHASE_OTHER = 6, N_PHASES = 6
-  character(12), parameter :: PHASE_NAMES(N_PHASES) = &
-    [character(12) :: 'assembly', 'contact', 'factor', 'krylov', 'output', 'other']
+  !> Phases of a job: reading the deck; setting up and checking the model; patterns, numbering and the choice of the solver; the
+  !! bulk; contact; factors and preconditioners; directions; result files; all else.
+  integer, parameter :: PHASE_READING = 1, PHASE_MODEL = 2, PHASE_PLANNING = 3, PHASE_ASSEMBLY = 4, PHASE_CONTACT = 5, &
+    PHASE_FACTOR = 6, PHASE_KRYLOV = 7, PHASE_OUTPUT = 8, PHASE_OTHER = 9, N_PHASES = 9
+  character(12), parameter :: PHASE_NAMES(N_PHASES) = [character(12) :: 'reading', 'model', 'planning', 'assembly', 'contact', &
+    'factor', 'krylov', 'output', 'other']
 
   integer, parameter :: REPORT_LINE_LENGTH = 160     !< of a line of a failure report
 
@@ -48,7 +51,7 @@ module amontons_iteration_records
     real(DP) :: smallest_step_length = 1       !< [-]
     real(DP) :: residual = 0                   !< last [-]
     real(DP) :: correction = 0                 !< last [-]
-    real(DP) :: seconds(N_PHASES) = 0          !< by phase [s]
+    real(DP) :: seconds(N_PHASES) = 0          !< by phase, since the record before [s]
     real(DP) :: megabytes(N_PHASES) = 0        !< growth of the peak memory by phase; only in the final summary [MB]
     real(DP) :: applied_force(3) = 0           !< sum over the model [force]
     real(DP) :: reaction_force(3) = 0          !< sum over the supports [force]

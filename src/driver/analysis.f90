@@ -11,7 +11,7 @@ module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_NOT_CONVERGED, EXIT_SOLVER, &
     EXIT_INTERNAL
-  use amontons_posix, only: peak_megabytes, is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory, &
+  use amontons_posix, only: is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory, &
     checksum_of_text
   use amontons_version, only: VERSION
   use amontons_distributed_two_level, only: describe_messages
@@ -22,7 +22,8 @@ module amontons_analysis
   use amontons_model, only: model_type, job_options_type
   use amontons_steps, only: step_type, SOLVER_GRADIENTS
   use amontons_contact_rounds, only: comparable_iterations
-  use amontons_iteration_records, only: increment_record_type, PHASE_OUTPUT, PHASE_OTHER
+  use amontons_iteration_records, only: increment_record_type, PHASE_READING, PHASE_MODEL, PHASE_PLANNING, PHASE_CONTACT, &
+    PHASE_OUTPUT, PHASE_OTHER
   use amontons_deck, only: read_deck, read_deck_text
   use amontons_state, only: fields_type, state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
@@ -81,6 +82,7 @@ contains
     type(job_options_type), intent(in) :: options
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
+    call analysis%system%clock%start()
     analysis%options = options
     allocate (analysis%records(64), analysis%iterations(64))
     call reserve_blas(error)
@@ -94,6 +96,7 @@ contains
     end if
     call logger%show_diagnostics(analysis%diagnostics)
     if (allocated(error)) return
+    call analysis%system%clock%read(PHASE_READING)
     if (n_ranks() > 1) call check_ranks(analysis%model, options, error)
     if (allocated(error)) return
     analysis%options%is_check = options%is_check .or. analysis%model%is_checked_only
@@ -103,12 +106,14 @@ contains
     call set_up_model(analysis%model, options, logger, error)
     if (allocated(error)) return
     call create_driven_loads(analysis%driven_loads, analysis%model)
+    call analysis%system%clock%read(PHASE_MODEL)
     call reserve_matrices(analysis%model, .not. is_batch(analysis), error)
     if (allocated(error)) return
     call create_equilibrium(analysis%system, analysis%model, analysis%state, error, &
       needs_trial_points(analysis%model, .not. is_batch(analysis)))
     if (.not. allocated(error)) call initialize_state_variables(analysis%model, analysis%state, error)
     if (allocated(error)) return
+    call analysis%system%clock%read(PHASE_PLANNING)
     if (allocated(analysis%model%user_elements)) then
       call begin_user_elements(analysis%model, analysis%state)
       call handle_user_messages(analysis%model, logger, analysis%smallest_pnewdt, error)
@@ -116,6 +121,7 @@ contains
     if (allocated(error)) return
     if (.not. (options%is_resumed .or. allocated(analysis%model%origin%path))) call check_initial_model(analysis, logger, error)
     if (allocated(error) .or. analysis%options%is_check) return
+    call analysis%system%clock%read(PHASE_MODEL)
     call save_commit(analysis, .not. is_batch(analysis) .or. options%is_resumed .or. allocated(analysis%model%origin%path))
     if (options%is_resumed) then
       call resume_from_checkpoint(analysis, logger, error)
@@ -133,6 +139,7 @@ contains
       call share_error(error)
     end if
     analysis%is_open = .not. allocated(error)
+    call analysis%system%clock%read(PHASE_OUTPUT)
   end subroutine start_analysis
 
 
@@ -294,6 +301,7 @@ contains
     if (allocated(error)) return
     if (analysis%is_step_start) call plan_solver(analysis%system, analysis%model, error)
     if (allocated(error)) return
+    call analysis%system%clock%read(PHASE_PLANNING)
     call log_solver_choice(analysis, logger)
     associate (step => analysis%driven_loads%step)
       do
@@ -345,6 +353,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     if (.not. analysis%is_step_start) return
     if (analysis%stepping%step > 0 .and. analysis%stepping%step_time == 0.0_DP) return   ! it has started
+    call analysis%system%clock%read(PHASE_OTHER)
     call begin_stepping(analysis%stepping, analysis%model%steps(analysis%stepping%step + 1))
     call begin_motion(analysis%model%steps, analysis%stepping%step, analysis%state%old)
     call begin_path(analysis%state%old)
@@ -352,6 +361,7 @@ contains
     call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepping%step)
     call activate_elements(analysis%model, analysis%stepping%step, analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%driven_loads%step, analysis%state, error)
+    call analysis%system%clock%read(PHASE_PLANNING)
     if (.not. allocated(error)) call call_external_databases(analysis%model, LOP_STEP_START, analysis%state%old)
   end subroutine enter_step
 
@@ -431,11 +441,8 @@ contains
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
-    integer(I64) :: start, now, rate
     integer :: first
-    real(DP) :: peak
-    call system_clock(start)
-    peak = peak_megabytes()
+    call analysis%system%clock%read(PHASE_OTHER)
     first = analysis%n_committed + 1
     if (analysis%n_records < first) return
     call save_commit(analysis, .not. is_batch(analysis))
@@ -450,12 +457,11 @@ contains
     if (.not. allocated(error)) call handle_user_messages(analysis%model, logger, analysis%smallest_pnewdt, error)
     if (allocated(error)) return
     associate (record => analysis%records(analysis%n_records))
-      call system_clock(now, rate)
-      record%seconds(PHASE_OUTPUT) = record%seconds(PHASE_OUTPUT) + real(now - start, DP) / real(rate, DP)
-      record%megabytes(PHASE_OUTPUT) = record%megabytes(PHASE_OUTPUT) + peak_megabytes() - peak
       call logger%show_increment(record, done_fraction(analysis))
     end associate
+    call analysis%system%clock%read(PHASE_OUTPUT)
     call check_unpaired_contact(analysis, error)
+    call analysis%system%clock%read(PHASE_CONTACT)
   end subroutine commit_analysis
 
 
@@ -556,11 +562,8 @@ contains
     if (allocated(analysis%driven_loads%step%amplitudes)) call update_user_amplitudes(analysis%model, &
       analysis%driven_loads%step%amplitudes, &
       analysis%state)
-    analysis%system%seconds = 0.0_DP
-    analysis%system%megabytes = 0.0_DP
     analysis%system%n_factorisations = 0
     analysis%system%n_krylov = 0
-    call system_clock(analysis%clock)
     analysis%n_records = analysis%n_records + 1
     if (analysis%n_records > size(analysis%records)) call enlarge_records(analysis%records)
     analysis%records(analysis%n_records) = increment_record_type(step=analysis%stepping%step, &
@@ -729,17 +732,14 @@ contains
   end function released_energy
 
 
-  !> Sets counters and times of the attempt.
+  !> Sets counters of the attempt, and the times since the record before.
   subroutine complete_record(analysis, record)
-    type(analysis_type), intent(in) :: analysis
+    type(analysis_type), intent(inout) :: analysis
     type(increment_record_type), intent(inout) :: record
-    integer(I64) :: now, rate
-    call system_clock(now, rate)
+    call analysis%system%clock%read(PHASE_OTHER)
     record%n_factorisations = analysis%system%n_factorisations
     record%n_krylov = analysis%system%n_krylov
-    record%seconds = analysis%system%seconds
-    record%megabytes = analysis%system%megabytes
-    record%seconds(PHASE_OTHER) = max(0.0_DP, real(now - analysis%clock, DP) / real(rate, DP) - sum(record%seconds))
+    call analysis%system%clock%collect(record%seconds, record%megabytes)
   end subroutine complete_record
 
 
@@ -764,14 +764,21 @@ contains
     if (.not. analysis%is_open) return
     analysis%is_open = .false.
     call call_external_databases(analysis%model, LOP_JOB_END, analysis%state%old)
-    call logger%show_summary(analysis%records(:analysis%n_records), 3 * analysis%model%mesh%n_nodes)
-    if (analysis%system%reduced_system%divided%n_iterations > 0) &
-      call logger%say(describe_messages(analysis%system%reduced_system%divided))
+    call analysis%system%clock%read(PHASE_OTHER)
     if (analysis%has_files) then
       !$omp critical (result_files)
       call close_files(analysis, error)
       !$omp end critical (result_files)
     end if
+    call analysis%system%clock%read(PHASE_OUTPUT)
+    if (analysis%n_records > 0) then
+      associate (last => analysis%records(analysis%n_records))
+        call analysis%system%clock%collect(last%seconds, last%megabytes)
+      end associate
+    end if
+    call logger%show_summary(analysis%records(:analysis%n_records), 3 * analysis%model%mesh%n_nodes)
+    if (analysis%system%reduced_system%divided%n_iterations > 0) &
+      call logger%say(describe_messages(analysis%system%reduced_system%divided))
     call share_error(error)
     if (analysis%has_files .and. .not. allocated(error)) call logger%say(describe_result_files(analysis))
     analysis%has_files = .false.

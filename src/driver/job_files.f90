@@ -61,7 +61,6 @@ module amontons_job_files
     real(DP) :: smallest_pnewdt = 1                         !< smallest PNEWDT of user routines in this attempt [-]
     logical :: is_trial = .false.                  !< .sta and .cvg are written at the commit only
     logical :: is_step_start = .true.              !< the next increment is the first of its step
-    integer(I64) :: clock = 0                      !< start of the attempt
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat at the last commit [bytes]
     integer(I64) :: frd_counts(3) = 0              !< the same for .frd: bytes, frames, blocks
     logical :: is_guarded = .false.                !< the checkpoint is that of the last commit

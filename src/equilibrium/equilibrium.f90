@@ -6,15 +6,15 @@
 !! linearised.
 !! Both give forces only. The tangent matrix and the Newton direction are in `newton_step`.
 module amontons_equilibrium
-  use amontons_kinds, only: DP, I64
+  use amontons_kinds, only: DP
   use amontons_containers, only: integer_list_type
   use amontons_errors, only: error_type
-  use amontons_posix, only: peak_megabytes
   use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements, list_follower_nodes
   use amontons_surfaces, only: is_compliant
   use amontons_controls, only: controls_type, PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL
   use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_GRADIENTS
-  use amontons_iteration_records, only: N_PHASES, PHASE_ASSEMBLY, PHASE_CONTACT
+  use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_OTHER
+  use amontons_phase_clock, only: phase_clock_type
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state, create_material_state, set_temperatures, &
     take_points, DAMPING_NOW, STATUS_OPEN, STATUS_STICK
   use amontons_user_state, only: update_user_fields
@@ -51,7 +51,7 @@ module amontons_equilibrium
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: mean_diagonal_stiffness, is_matrix_free_step, has_moving_supports, evaluate_points
-  public :: update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns, start_clock, stop_clock
+  public :: update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
 
@@ -143,9 +143,7 @@ module amontons_equilibrium
     integer :: n_indefinite = 0                      !< factorisations of the bulk in this attempt that found it indefinite
     integer :: n_shifted = 0                       !< factorisations that needed a shift
     integer :: n_umfpack = 0                         !< directions solved by UMFPACK
-    real(DP) :: seconds(N_PHASES) = 0              !< [s]
-    real(DP) :: megabytes(N_PHASES) = 0            !< growth of the memory peak
-    real(DP) :: peak = 0                           !< memory peak at the last reading of the clock [megabytes]
+    type(phase_clock_type) :: clock
   end type equilibrium_type
 
   !> An evaluated configuration: the start of linearised evaluations, and the point to restore.
@@ -407,8 +405,7 @@ contains
     integer, intent(out) :: outcome                !< OUTCOME_...
     logical, intent(in) :: is_frozen               !< all contact statuses are frozen
     integer :: failed
-    integer(I64) :: clock
-    call start_clock(system, clock)
+    call system%clock%read(PHASE_OTHER)
     call assemble_internal_forces(system, model, step, state, failed)
     outcome = merge(OUTCOME_OK, OUTCOME_ELEMENT, failed == 0)
     system%failed_element = failed
@@ -423,14 +420,14 @@ contains
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call prescribe_here(system, model, step, state%new, outcome)
     if (outcome /= OUTCOME_OK) return
     call condense_forces(system%base, state%new%applied_force - state%new%internal_force, system%imbalance)
-    call stop_clock(system, clock, PHASE_ASSEMBLY)
+    call system%clock%read(PHASE_ASSEMBLY)
     call forget_origins(system%contact, state%old%slaves, state%new%slaves)
     if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
     call evaluate_contact(system%contact, model, state%old, system%imbalance, is_frozen, state%new, .false.)
     call compute_norms(system, state%new%applied_force, state%new)
     system%force_rounding = ROUNDING_FACTOR * contact_force_rounding(system%contact%laws, system%contact%local_equilibrium, &
       state%new%slaves, model%mesh%coordinates)
-    call stop_clock(system, clock, PHASE_CONTACT)
+    call system%clock%read(PHASE_CONTACT)
     if (.not. system%merit <= huge(1.0_DP)) outcome = OUTCOME_NOT_FINITE
   end subroutine evaluate_equilibrium
 
@@ -455,14 +452,13 @@ contains
     type(step_type), intent(in) :: step
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome                !< OUTCOME_OK or OUTCOME_ELEMENT
-    integer(I64) :: clock
     outcome = OUTCOME_OK
     if (state%has_trial_points) return
-    call start_clock(system, clock)
+    call system%clock%read(PHASE_OTHER)
     call take_points(state)
     call assemble_internal_forces(system, model, step, state, system%failed_element)
     if (system%failed_element /= 0) outcome = OUTCOME_ELEMENT
-    call stop_clock(system, clock, PHASE_ASSEMBLY)
+    call system%clock%read(PHASE_ASSEMBLY)
   end subroutine evaluate_points
 
 
@@ -619,8 +615,7 @@ contains
     type(state_type), intent(inout) :: state       !< in: slaves at u
     real(DP), intent(in), optional :: d_load       !< change of the load factor, 0 by default [-]
     real(DP), allocatable :: change(:), applied_force(:, :)
-    integer(I64) :: clock
-    call start_clock(system, clock)
+    call system%clock%read(PHASE_OTHER)
     allocate (change(size(du)))
     call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
     associate (K => system%assembly%stiffness)
@@ -637,7 +632,7 @@ contains
     if (system%proximal_shift > 0.0_DP) call renew_searches(system%contact, model%mesh%coordinates + state%new%u)   ! masters move
     call evaluate_contact(system%contact, model, state%old, system%imbalance, .false., state%new, .true.)
     call compute_norms(system, applied_force, state%new)
-    call stop_clock(system, clock, PHASE_CONTACT)
+    call system%clock%read(PHASE_CONTACT)
   end subroutine evaluate_linearized
 
 
@@ -772,30 +767,5 @@ contains
       if (is_contact(system%base%rows(k)%pivot)) is_contact(system%base%rows(k)%unknown) = .true.
     end do
   end function interface_unknowns
-
-
-  !> Starts a clock.
-  subroutine start_clock(system, clock)
-    type(equilibrium_type), intent(inout) :: system
-    integer(I64), intent(out) :: clock
-    call system_clock(clock)
-    system%peak = peak_megabytes()
-  end subroutine start_clock
-
-
-  !> Adds the time since the last reading of the clock and the growth of the memory peak, and restarts the clock.
-  subroutine stop_clock(system, clock, phase)
-    type(equilibrium_type), intent(inout) :: system
-    integer(I64), intent(inout) :: clock
-    integer, intent(in) :: phase                   !< PHASE_...
-    integer(I64) :: now, rate
-    real(DP) :: peak
-    call system_clock(now, rate)
-    peak = peak_megabytes()
-    system%seconds(phase) = system%seconds(phase) + real(now - clock, DP) / real(rate, DP)
-    system%megabytes(phase) = system%megabytes(phase) + peak - system%peak
-    clock = now
-    system%peak = peak
-  end subroutine stop_clock
 
 end module amontons_equilibrium

@@ -8,13 +8,13 @@
 !!
 !! J dv = C' R is solved by GMRES with A as the preconditioner (doc/theory/solver.md).
 module amontons_newton_step
-  use amontons_kinds, only: DP, I64
+  use amontons_kinds, only: DP
   use amontons_errors, only: error_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_surfaces, only: is_compliant
   use amontons_steps, only: step_type, LINE_SEARCH_AUTO, TANGENT_SYMMETRIC, TANGENT_LAGGED, INTERFACE_DENSE, INTERFACE_SKIN, &
     SOLVER_GRADIENTS
-  use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV
+  use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_FACTOR, PHASE_KRYLOV, PHASE_OTHER
   use amontons_state, only: state_type, fields_type, slave_state_type, DAMPING_NOW, STATUS_OPEN
   use amontons_sparse, only: sparse_type, sparse_sum
   use amontons_factorization, only: FACTOR_OK
@@ -40,7 +40,7 @@ module amontons_newton_step
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows, has_spring
   use amontons_contact_operators, only: assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
-    has_moving_supports, n_interface_unknowns, mean_diagonal_stiffness, start_clock, stop_clock, OUTCOME_OK, &
+    has_moving_supports, n_interface_unknowns, mean_diagonal_stiffness, OUTCOME_OK, &
     OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
@@ -61,13 +61,12 @@ contains
     type(error_type), allocatable, intent(out) :: error   !< out of memory and the like
     real(DP), intent(out), optional :: d_load      !< change of the load factor along du [-]
     real(DP) :: allowed_residual                   ! [force]
-    integer(I64) :: clock
     if (present(d_load)) d_load = 0.0_DP
     if (system%skin%memory%is_outdated) call discard_bulk_factor(system)
     system%skin%memory%is_outdated = .false.
     call linearize_equilibrium(system, model, step, state, outcome, error)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
-    call start_clock(system, clock)
+    call system%clock%read(PHASE_OTHER)
     call prepare_interface_solver(system, model, step, state, error)
     if (allocated(error)) return
     if (system%is_interface_singular) outcome = OUTCOME_LINEAR_SOLVER
@@ -77,7 +76,7 @@ contains
     if (.not. (system%has_interface_solver .or. system%is_interface_singular .or. system%max_old_iterations > 0)) &
       call factorise_reduced_matrix(system, model, outcome, error)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
-    call stop_clock(system, clock, PHASE_FACTOR)
+    call system%clock%read(PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
     if (system%has_interface_solver) system%is_indefinite = .false.
     system%is_subproblem_solved = .false.
@@ -104,7 +103,7 @@ contains
     end if
     if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
       error)
-    call stop_clock(system, clock, PHASE_KRYLOV)
+    call system%clock%read(PHASE_KRYLOV)
   end subroutine solve_newton_step
 
 
@@ -148,16 +147,15 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP), intent(out), optional :: d_load      !< change of the load factor along du [-]
     real(DP) :: allowed_residual                              ! [force]
-    integer(I64) :: clock
-    call start_clock(system, clock)
+    call system%clock%read(PHASE_OTHER)
     outcome = OUTCOME_LINEAR_SOLVER
     if (present(d_load)) d_load = 0.0_DP
     call build_constraints(system, model, step, state, offset_fraction, error)
     if (allocated(error)) return
-    call stop_clock(system, clock, PHASE_CONTACT)
+    call system%clock%read(PHASE_CONTACT)
     call prepare_interface_solver(system, model, step, state, error)
     if (allocated(error) .or. .not. system%has_interface_solver) return
-    call stop_clock(system, clock, PHASE_FACTOR)
+    call system%clock%read(PHASE_FACTOR)
     system%skin_tolerance = merge(step%controls%skin%tolerance_changing, step%controls%skin%tolerance_unchanged, &
       system%contact%n_changed > 0)
     if (system%n_halved > 1) system%skin_tolerance = min(system%skin_tolerance, step%controls%skin%tolerance_halved)
@@ -168,7 +166,7 @@ contains
     if (allocated(error)) return
     if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
       error)
-    call stop_clock(system, clock, PHASE_KRYLOV)
+    call system%clock%read(PHASE_KRYLOV)
   end subroutine solve_correction
 
 
@@ -215,9 +213,8 @@ contains
     type(state_type), intent(inout) :: state
     integer, intent(out) :: outcome                !< OUTCOME_...
     type(error_type), allocatable, intent(out) :: error
-    integer(I64) :: clock
     outcome = OUTCOME_OK
-    call start_clock(system, clock)
+    call system%clock%read(PHASE_OTHER)
     if (.not. system%is_assembled) then
       system%reduced_system%is_current = .false.
       system%motions%is_current = .false.
@@ -227,10 +224,10 @@ contains
       system%is_bulk_factor_current = system%is_constant .and. (system%schur_interface%is_ready .or. system%skin%is_ready)
     end if
     call set_slave_stiffness(system, step, state%new)
-    call stop_clock(system, clock, PHASE_ASSEMBLY)
+    call system%clock%read(PHASE_ASSEMBLY)
     if (step%is_riks) call assemble_reference_loads(system%assembly, model, step, state%new, step%is_nlgeom, system%reference_force)
     call build_constraints(system, model, step, state, 1.0_DP, error)
-    call stop_clock(system, clock, PHASE_CONTACT)
+    call system%clock%read(PHASE_CONTACT)
   end subroutine linearize_equilibrium
 
 

@@ -3,7 +3,7 @@
 program test_iteration_records
   use amontons_kinds, only: DP
   use amontons_failure, only: FAILURE_NONE
-  use amontons_iteration_records, only: iteration_record_type, increment_record_type, PHASE_NAMES, N_PHASES, PHASE_ASSEMBLY, &
+  use amontons_iteration_records, only: iteration_record_type, increment_record_type, PHASE_NAMES, N_PHASES, PHASE_READING, &
     PHASE_OTHER, REPORT_LINE_LENGTH
   use check, only: suite_type
   implicit none
@@ -33,7 +33,7 @@ contains
   !> A name for each phase, all different.
   subroutine check_phases()
     integer :: i
-    call suite%that('from the first to the last', PHASE_ASSEMBLY == 1 .and. PHASE_OTHER == N_PHASES)
+    call suite%that('from the first to the last', PHASE_READING == 1 .and. PHASE_OTHER == N_PHASES)
     do i = 1, N_PHASES
       call suite%that('one name each', len_trim(PHASE_NAMES(i)) > 0 .and. count(PHASE_NAMES == PHASE_NAMES(i)) == 1)
     end do
