@@ -12,7 +12,8 @@
 !! (1, 2), (2, 3), (3, 1). Theory: doc/theory/materials.md.
 module amontons_logarithmic_strain
   use amontons_kinds, only: DP
-  use amontons_tensor, only: IDENTITY, VOIGT_INDEX, VOIGT_ROW, VOIGT_COLUMN, pack_voigt, symmetric_eigen
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, VOIGT_ROW, VOIGT_COLUMN, double_dot, invert, pack_voigt, &
+    symmetric_eigen, unpack_voigt
   implicit none
   private
   public :: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, tensor_log, tensor_exp
@@ -161,26 +162,71 @@ contains
   end function voigt_transformation
 
 
-  !> exp(a S) - 1 of a symmetric tensor.
+  !> exp(a S) - 1 of a symmetric tensor: the series of x = exp(A) - 1 for A = a S/2^j of size 1 at most, and j times x (2 + x).
   pure function tensor_exp(S, a) result(y)
     real(DP), intent(in) :: S(6)                   !< Voigt vector
     real(DP), intent(in) :: a                      !< [-]
     real(DP) :: y(6)
-    real(DP) :: values(3), n(3, 3)
-    call symmetric_eigen(S, values, n)
-    y = tensor_from_axes(expm1(a * values), n)
+    integer :: k, n_doublings
+    real(DP), parameter :: FACTORIALS(19) = [(gamma(real(k + 1, DP)), k=1, 19)]
+    y = a * S
+    n_doublings = min(max(0, exponent(sqrt(double_dot(y, y)))), maxexponent(a))
+    y = power_series(y / 2.0_DP**n_doublings, 1 / FACTORIALS)
+    do k = 1, n_doublings
+      y = 2 * y + multiply_symmetric(y, y)
+    end do
   end function tensor_exp
 
 
-  !> a ln(1 + S) of a symmetric tensor.
+  !> a ln(1 + S) of a symmetric tensor: the series of 2 artanh(Z), Z = S (2 + S)^-1, or in the principal axes if Z is large.
   pure function tensor_log(S, a) result(y)
     real(DP), intent(in) :: S(6)                   !< Voigt vector, eigenvalues more than -1
     real(DP), intent(in) :: a                      !< [-]
     real(DP) :: y(6)
-    real(DP) :: values(3), n(3, 3)
-    call symmetric_eigen(S, values, n)
-    y = tensor_from_axes(a * log1p(values), n)
+    integer :: k
+    real(DP), parameter :: ODD_NUMBERS(17) = [(real(2 * k + 1, DP), k=1, 17)], MAX_SERIES_ARGUMENT = 1 / 3.0_DP
+    real(DP) :: Z(6), inverse(3, 3), det, values(3), n(3, 3)
+    call invert(unpack_voigt(S + 2 * VOIGT_IDENTITY), inverse, det)
+    Z = multiply_symmetric(S, pack_voigt(inverse))
+    if (double_dot(Z, Z) <= MAX_SERIES_ARGUMENT**2) then
+      y = 2 * a * (Z + multiply_symmetric(Z, power_series(multiply_symmetric(Z, Z), 1 / ODD_NUMBERS)))
+    else
+      call symmetric_eigen(S, values, n)
+      y = tensor_from_axes(a * log1p(values), n)
+    end if
   end function tensor_log
+
+
+  !> c_1 A + c_2 A^2 + ... of a symmetric tensor. Horner's scheme on p_0 + p_1 A + p_2 A^2, as A^3 = I_1 A^2 - I_2 A + I_3
+  !! (Cayley and Hamilton).
+  pure function power_series(A, c) result(y)
+    real(DP), intent(in) :: A(6)                   !< Voigt vector
+    real(DP), intent(in) :: c(:)
+    real(DP) :: y(6), square(6), p(3), i1, i2, i3
+    integer :: k
+    square = multiply_symmetric(A, A)
+    i1 = A(1) + A(2) + A(3)
+    i2 = A(1) * A(2) + A(2) * A(3) + A(3) * A(1) - A(4) * A(4) - A(5) * A(5) - A(6) * A(6)
+    i3 = A(1) * (A(2) * A(3) - A(5) * A(5)) - A(4) * (A(4) * A(3) - A(5) * A(6)) + A(6) * (A(4) * A(5) - A(2) * A(6))
+    p = 0
+    do k = size(c), 1, -1
+      p = [i3 * p(3) + c(k), p(1) - i2 * p(3), p(2) + i1 * p(3)]
+    end do
+    y = (p(1) - i2 * p(3)) * A + (p(2) + i1 * p(3)) * square + i3 * p(3) * VOIGT_IDENTITY
+  end function power_series
+
+
+  !> The product of two symmetric tensors with the same axes, which is symmetric.
+  pure function multiply_symmetric(A, B) result(y)
+    real(DP), intent(in) :: A(6), B(6)             !< Voigt vectors
+    real(DP) :: y(6)
+    y(1) = A(1) * B(1) + A(4) * B(4) + A(6) * B(6)
+    y(2) = A(4) * B(4) + A(2) * B(2) + A(5) * B(5)
+    y(3) = A(6) * B(6) + A(5) * B(5) + A(3) * B(3)
+    y(4) = A(1) * B(4) + A(4) * B(2) + A(6) * B(5)
+    y(5) = A(4) * B(6) + A(2) * B(5) + A(5) * B(3)
+    y(6) = A(1) * B(6) + A(4) * B(5) + A(6) * B(3)
+  end function multiply_symmetric
 
 
   !> The tensor with given eigenvalues and axes.

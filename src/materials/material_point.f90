@@ -748,8 +748,16 @@ contains
     real(DP), intent(in) :: F(3, 3)
     real(DP), intent(in) :: T(6)
     real(DP) :: y(6)
-    y = 0
-    if (any(abs(T) > 0)) y = pack_voigt(matmul(F, matmul(unpack_voigt(T), transpose(F))))
+    real(DP) :: FT(3, 3)
+    FT(:, 1) = F(:, 1) * T(1) + F(:, 2) * T(4) + F(:, 3) * T(6)
+    FT(:, 2) = F(:, 1) * T(4) + F(:, 2) * T(2) + F(:, 3) * T(5)
+    FT(:, 3) = F(:, 1) * T(6) + F(:, 2) * T(5) + F(:, 3) * T(3)
+    y(1) = FT(1, 1) * F(1, 1) + FT(1, 2) * F(1, 2) + FT(1, 3) * F(1, 3)
+    y(2) = FT(2, 1) * F(2, 1) + FT(2, 2) * F(2, 2) + FT(2, 3) * F(2, 3)
+    y(3) = FT(3, 1) * F(3, 1) + FT(3, 2) * F(3, 2) + FT(3, 3) * F(3, 3)
+    y(4) = FT(1, 1) * F(2, 1) + FT(1, 2) * F(2, 2) + FT(1, 3) * F(2, 3)
+    y(5) = FT(2, 1) * F(3, 1) + FT(2, 2) * F(3, 2) + FT(2, 3) * F(3, 3)
+    y(6) = FT(1, 1) * F(3, 1) + FT(1, 2) * F(3, 2) + FT(1, 3) * F(3, 3)
   end function push_forward
 
 

@@ -163,7 +163,9 @@ contains
     real(DP), intent(out) :: slope              !< d stress / d strain [stress]
     integer :: i
     real(DP) :: s, next_stress, next_slope
-    call find_interval(curves%temperature, temperature, i, s)
+    i = 1
+    s = 0
+    if (size(curves) > 1) call find_interval(curves%temperature, temperature, i, s)
     call evaluate_curve(curves(i), strain, stress, slope)
     if (.not. s > 0) return
     call evaluate_curve(curves(i + 1), strain, next_stress, next_slope)

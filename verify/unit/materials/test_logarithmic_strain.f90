@@ -37,9 +37,13 @@ contains
   end subroutine check_functions
 
 
-  !> ln and exp are inverse; of a diagonal tensor they are those of its entries.
+  !> ln and exp are inverse; of a diagonal tensor they are those of its entries. Small and large tensors: as in principal axes.
   subroutine check_tensor_functions()
-    real(DP) :: S(6), y(6)
+    type(principal_strains_type) :: p
+    real(DP), parameter :: SIZES(6) = [1.0e-12_DP, 1.0e-4_DP, 0.3_DP, 0.8_DP, 3.0_DP, 20.0_DP]
+    real(DP) :: S(6), y(6), expected(6)
+    logical :: is_positive
+    integer :: i
     S = [0.3_DP, -0.2_DP, 0.1_DP, 0.15_DP, -0.05_DP, 0.2_DP]
     y = tensor_log(tensor_exp(S, 2.0_DP), 0.5_DP)
     call suite%near('ln of exp', norm2(y - S), 0.0_DP, 1.0e-14_DP)
@@ -49,6 +53,14 @@ contains
     y = tensor_exp([0.0_DP, 0.0_DP, 0.0_DP, 0.7_DP, 0.0_DP, 0.0_DP], 1.0_DP)
     call suite%near('exp of a shear: cosh', y(1), cosh(0.7_DP) - 1, 1.0e-14_DP)
     call suite%near('exp of a shear: sinh', y(4), sinh(0.7_DP), 1.0e-14_DP)
+    do i = 1, size(SIZES)
+      S = SIZES(i) * [1.0_DP, 0.6_DP, 0.2_DP, 0.15_DP, -0.05_DP, 0.2_DP]
+      call find_principal_strains(S, p, is_positive)
+      expected = tensor_from_principal(p, expm1(p%x))
+      call suite%near('exp in principal axes', norm2(tensor_exp(S, 1.0_DP) - expected) / norm2(expected), 0.0_DP, 4.0e-15_DP)
+      expected = tensor_from_principal(p, log1p(p%x))
+      call suite%near('ln in principal axes', norm2(tensor_log(S, 1.0_DP) - expected) / norm2(expected), 0.0_DP, 4.0e-15_DP)
+    end do
   end subroutine check_tensor_functions
 
 
