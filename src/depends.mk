@@ -32,7 +32,8 @@ uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 uses_mpi_ranks = kinds errors
 uses_distributed_solver = kinds errors sparse krylov two_level_preconditioner mpi_ranks
 uses_halo = kinds containers sparse mpi_ranks
-uses_distributed_two_level = kinds containers errors sparse krylov two_level_preconditioner mpi_ranks halo
+uses_domain_matrix = kinds containers sparse mpi_ranks halo
+uses_distributed_two_level = kinds containers errors sparse krylov two_level_preconditioner mpi_ranks halo domain_matrix
 
 # model
 uses_analytic_profiles = kinds tensor
@@ -152,15 +153,16 @@ uses_user_state = kinds errors tensor element_kinds loads user_routines material
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse element_kinds shape_functions
-uses_assembly = kinds containers errors sparse graph_partition mpi_ranks element_kinds materials mesh model element hex8_simd state user_state unsymmetric_tangent
-uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly
-uses_inertia = kinds tensor element_kinds mesh steps model state assembly external_loads
+uses_assembly_plan = kinds containers errors sparse graph_partition mpi_ranks element_kinds mesh hex8_simd unsymmetric_tangent
+uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model element hex8_simd state user_state unsymmetric_tangent assembly_plan
+uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly_plan assembly
+uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads
 uses_stabilization = kinds sparse mesh steps state
-uses_user_element_forces = kinds user_routines steps user_elements model state assembly
+uses_user_element_forces = kinds user_routines steps user_elements model state assembly_plan
 
 # constraints
 uses_constraints = kinds errors sparse
-uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly constraints
+uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly_plan constraints
 uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
 uses_tie_generation = kinds errors tensor element_kinds loads mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
@@ -188,10 +190,10 @@ uses_contact_tiles = kinds containers errors blas_lapack sparse
 uses_contact_coarse_space = kinds blas_lapack sparse constraints reduced_system contact_tiles
 uses_contact_preconditioner = kinds errors dense sparse controls constraints reduced_system contact_tiles contact_coarse_space
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
-uses_equilibrium = kinds containers errors iteration_records phase_clock sparse factorization controls surfaces steps user_elements model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change user_state assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
+uses_equilibrium = kinds containers errors iteration_records phase_clock sparse factorization mpi_ranks controls surfaces steps user_elements model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change user_state assembly_plan assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
 uses_robin_springs = kinds errors tensor dense sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators
-uses_tangent_solution = kinds errors sparse factorization krylov steps state unsymmetric_tangent constraints contact_operators arc_length reduced_system schur_interface contact_preconditioner equilibrium
-uses_newton_step = kinds errors iteration_records sparse factorization woodbury_interface surfaces steps model contact_constraint_rows state unsymmetric_tangent assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc contact_pairs contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs tangent_solution
+uses_tangent_solution = kinds errors sparse factorization krylov steps state unsymmetric_tangent assembly_plan constraints contact_operators arc_length reduced_system schur_interface contact_preconditioner equilibrium
+uses_newton_step = kinds errors iteration_records sparse factorization woodbury_interface surfaces steps model contact_constraint_rows state unsymmetric_tangent assembly_plan assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc contact_pairs contact_linearization contact_operators reduced_system schur_interface contact_preconditioner free_rigid_motions equilibrium robin_springs tangent_solution
 uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
@@ -199,7 +201,7 @@ uses_model_check_bodies = kinds text errors element_kinds mesh model element
 uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
-uses_balanced_bodies = kinds text tensor loads model state assembly external_loads nonlinear_mpc model_check_bodies model_check_motion
+uses_balanced_bodies = kinds text tensor loads model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion
 uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search general_contact model_check_bodies
 uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 

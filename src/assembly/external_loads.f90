@@ -7,7 +7,8 @@ module amontons_external_loads
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, rotation_matrix
   use amontons_tributary_areas, only: out_of_plane_depth, integrate_nodal_areas
-  use amontons_assembly, only: assembly_type, add_node_block, add_row_block, element_material
+  use amontons_assembly_plan, only: assembly_type, add_node_block, add_row_block, is_own_element
+  use amontons_assembly, only: element_material
   use amontons_element, only: integrate_body_force, integrate_facet_pressure, integrate_edge_pressure, evaluate_point_volumes, &
     ELEMENT_OK
   use amontons_loads, only: concentrated_type, distributed_type, DISTRIBUTED_PRESSURE, DISTRIBUTED_CENTRIFUGAL, &
@@ -195,6 +196,7 @@ contains
     real(DP), intent(in) :: stiffness(:, :)
     real(DP) :: block(3, 3)
     integer :: i, j, a, b, k
+    if (assembly%is_divided .and. .not. is_own_element(assembly, e)) return
     do j = 1, size(local)
       do i = 1, size(local)
         a = local(i)

@@ -9,7 +9,7 @@
 !! M is the same for the three components of a node: one number for each pair of nodes in the graph of the stiffness.
 module amontons_inertia
   use amontons_kinds, only: DP
-  use amontons_assembly, only: assembly_type, add_row_block
+  use amontons_assembly_plan, only: assembly_type, add_row_block
   use amontons_external_loads, only: integrate_unit_mass, evaluate_density
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, is_out

@@ -6,7 +6,7 @@
 !! as in Abaqus: D. Systemes, Abaqus User Subroutines Guide, UEL.
 module amontons_user_element_forces
   use amontons_kinds, only: DP
-  use amontons_assembly, only: assembly_type, add_node_block, add_skew_block
+  use amontons_assembly_plan, only: assembly_type, add_node_block, add_skew_block
   use amontons_model, only: model_type, is_out
   use amontons_state, only: state_type, fields_type
   use amontons_steps, only: step_type

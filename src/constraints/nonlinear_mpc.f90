@@ -27,7 +27,7 @@ module amontons_nonlinear_mpc
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, prescribe_unknown, find_multipliers, &
     is_in_constraint_row, ROW_CONFLICT
   use amontons_state, only: fields_type
-  use amontons_assembly, only: assembly_type, add_node_block
+  use amontons_assembly_plan, only: assembly_type, add_node_block
   implicit none
   private
   public :: add_nonlinear_mpcs, add_mpc_stiffness, fix_unconnected_unknowns, extract_support_reactions, linearize_mpcs

@@ -10,6 +10,9 @@
 !! hardly grow with the number of ranks; without it they grow by a quarter (decision 0012). Z'AZ is the sum of what each rank
 !! computes from its rows, and is factorized on all ranks.
 !!
+!! A whole matrix is divided by copies of its entries. Of a matrix of which each rank has the part of its own elements, the entries
+!! on the borders are exchanged (`domain_matrix`).
+!!
 !! An iteration has three messages to each neighbour (the direction; the residual; what U gives in the halo), a sum of the coarse
 !! residual Z'r and three scalars. Sums are in the order of the ranks.
 !! References: those of `two_level_preconditioner`; Cai and Sarkis, SIAM J. Sci. Comput. 21 (1999) 792, and Smith, Bjorstad, Gropp,
@@ -22,8 +25,9 @@ module amontons_distributed_two_level
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, take_coarse_space, factorise_first_level, &
     factorise_second_level, apply_first_level, restrict_residual, solve_second_level, add_correction
-  use amontons_halo, only: halo_type, find_halo, fill_halo, return_halo
-  use amontons_mpi_ranks, only: this_rank, n_ranks, sum_over_ranks, gather_parts, min_over_ranks, share_error
+  use amontons_halo, only: halo_type, halo_list_type, find_halo, list_halos, find_halo_in_lists, fill_halo, return_halo
+  use amontons_domain_matrix, only: domain_sum_type, plan_domain_sum, sum_domain
+  use amontons_mpi_ranks, only: this_rank, n_ranks, sum_over_ranks, join_parts, min_over_ranks, share_error
   implicit none
   private
   public :: distributed_two_level_type, create_distributed_two_level, update_distributed_two_level, &
@@ -32,10 +36,10 @@ module amontons_distributed_two_level
   !> A and its preconditioner on the domain of this rank.
   type :: distributed_two_level_type
     type(halo_type) :: halo                        !< own unknowns and the layer around them
-    integer, allocatable :: counts(:)              !< (n_ranks) own unknowns of each rank
     integer, allocatable :: place(:)               !< (n of A) place of each unknown, rank by rank
     type(sparse_type) :: matrix                    !< A on the domain, upper triangle
-    integer, allocatable :: source(:)              !< the entry of A for each of its entries
+    integer, allocatable :: source(:)              !< the entry of A for each of its entries; not allocated: A is in parts
+    type(domain_sum_type) :: parts                 !< its entries from the parts of the ranks
     integer(I64) :: n_entries = 0                  !< of A
     type(two_level_preconditioner_type) :: levels  !< U of the domain; Z on the domain; the factor of Z'AZ
     real(DP), allocatable :: weight(:)             !< D on the domain [-]
@@ -62,14 +66,25 @@ module amontons_distributed_two_level
 contains
 
   !> Divides the pattern of a matrix and a coarse space.
-  subroutine create_distributed_two_level(self, pattern, owner, coarse_space)
+  subroutine create_distributed_two_level(self, pattern, owner, coarse_space, is_held)
     type(distributed_two_level_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: pattern       !< of A: upper triangle
+    type(sparse_type), intent(in) :: pattern       !< of A, or of the part of this rank: upper triangle
     integer, intent(in) :: owner(:)                !< (n) rank of each unknown, from 0
     type(two_level_preconditioner_type), intent(in) :: coarse_space   !< Z of A
+    logical, intent(in), optional :: is_held(:)    !< (n) elements of this rank contribute to the unknown: A is in parts
+    type(halo_list_type) :: halos
+    real(DP) :: n_entries(1)
     integer :: r, i, n
-    call find_halo(self%halo, pattern, owner, this_rank())
-    self%counts = [(count(owner == r), r=0, n_ranks() - 1)]
+    if (allocated(self%source)) deallocate (self%source)
+    if (allocated(self%matrix%value)) deallocate (self%matrix%value)
+    if (present(is_held)) then
+      call list_halos(halos, pattern, owner)
+      call find_halo_in_lists(self%halo, halos, owner, this_rank())
+      call plan_domain_sum(self%parts, pattern, is_held, owner, halos, self%matrix)
+    else
+      call find_halo(self%halo, pattern, owner, this_rank())
+      call take_submatrix(pattern, self%halo%unknown, self%matrix, self%source)
+    end if
     if (allocated(self%place)) deallocate (self%place)
     allocate (self%place(size(owner)))
     n = 0
@@ -80,12 +95,26 @@ contains
         self%place(i) = n
       end do
     end do
-    self%n_entries = size(pattern%column, kind=I64)
-    call take_submatrix(pattern, self%halo%unknown, self%matrix, self%source)
+    n_entries = count_share(self)
+    call sum_over_ranks(n_entries)
+    self%n_entries = nint(n_entries(1), I64)
     call take_coarse_space(self%levels, coarse_space, self%halo%unknown)
     self%weight = [1.0_DP / sqrt(self%halo%n_holders), (0.0_DP, i=self%halo%n_own + 1, size(self%halo%unknown))]
     call fill_halo(self%halo, self%weight)
   end subroutine create_distributed_two_level
+
+
+  !> The entries of A of this rank: those of its own rows, half where another rank has them, too.
+  pure real(DP) function count_share(self) result(n)
+    type(distributed_two_level_type), intent(in) :: self
+    integer :: i
+    n = 0
+    associate (first => self%matrix%first, n_own => self%halo%n_own)
+      do i = 1, n_own
+        n = n + real(first(i + 1) - first(i), DP) - 0.5_DP * real(count(self%matrix%column(first(i):first(i + 1) - 1) > n_own), DP)
+      end do
+    end associate
+  end function count_share
 
 
   !> The pattern of a matrix between some unknowns, in their order: upper triangle, and the entry of the matrix for each of its own.
@@ -149,23 +178,35 @@ contains
   !> New values of A, and their preconditioner.
   subroutine update_distributed_two_level(self, matrix, is_broken, error)
     type(distributed_two_level_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: matrix        !< A, of the pattern divided
+    type(sparse_type), intent(in) :: matrix        !< A or the part of this rank, of the pattern divided
     logical, intent(out) :: is_broken              !< .true.: A is far from positive definite, no preconditioner
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: shift
     is_broken = .false.
-    if (.not. allocated(self%matrix%value)) allocate (self%matrix%value(size(self%source)))
-    self%matrix%value = matrix%value(self%source)
+    if (.not. allocated(self%matrix%value)) allocate (self%matrix%value(size(self%matrix%column)))
+    call take_values(self, matrix)
     call share_matrix(self)
     call factorise_second_level(self%levels, self%matrix, self%n_entries, error, sum_matrix_over_ranks)
     call share_error(error)
     if (allocated(error)) return
-    self%matrix%value = matrix%value(self%source)
+    call take_values(self, matrix)
     call factorise_first_level(self%levels, self%matrix, is_broken)
     shift = -min_over_ranks(-self%levels%shift)
     if (self%levels%shift < shift) call factorise_first_level(self%levels, self%matrix, is_broken, shift)
     is_broken = min_over_ranks(merge(0.0_DP, 1.0_DP, is_broken)) < 0.5_DP
   end subroutine update_distributed_two_level
+
+
+  !> The values of A on the domain.
+  subroutine take_values(self, matrix)
+    type(distributed_two_level_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: matrix
+    if (allocated(self%source)) then
+      self%matrix%value = matrix%value(self%source)
+    else
+      call sum_domain(self%parts, matrix, self%matrix)
+    end if
+  end subroutine take_values
 
 
   !> This rank's share of A: entries of its own rows count half where both ranks have them, so that the shares sum to A.
@@ -188,30 +229,14 @@ contains
   subroutine sum_matrix_over_ranks(coarse, error)
     type(sparse_type), intent(inout) :: coarse
     type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: lengths(:), row(:), column(:), value(:)
+    real(DP), allocatable :: row(:), column(:), value(:)
     integer :: n
-    allocate (lengths(n_ranks()), source=0.0_DP)
-    lengths(this_rank() + 1) = real(size(coarse%column), DP)
-    call sum_over_ranks(lengths)
-    call append_parts(real(owners_of_entries(coarse%first), DP), nint(lengths), row)
-    call append_parts(real(coarse%column, DP), nint(lengths), column)
-    call append_parts(coarse%value, nint(lengths), value)
+    call join_parts(real(owners_of_entries(coarse%first), DP), row)
+    call join_parts(real(coarse%column, DP), column)
+    call join_parts(coarse%value, value)
     n = coarse%n_rows
     call sparse_from_triplets(n, n, nint(row), nint(column), value, coarse, error)
   end subroutine sum_matrix_over_ranks
-
-
-  !> The parts of all ranks, one after the other.
-  subroutine append_parts(part, counts, whole)
-    real(DP), intent(in) :: part(:)                !< of this rank
-    integer, intent(in) :: counts(:)               !< (n_ranks) lengths
-    real(DP), allocatable, intent(out) :: whole(:)
-    allocate (whole(sum(counts)))
-    associate (before => sum(counts(:this_rank())))
-      whole(before + 1:before + size(part)) = part
-    end associate
-    call gather_parts(whole, counts)
-  end subroutine append_parts
 
 
   !> z ~ inv(A) r of whole vectors, by one application of the preconditioner.
@@ -276,7 +301,7 @@ contains
     real(DP), intent(in) :: own(:)
     real(DP), intent(out) :: x(:)
     real(DP), allocatable :: by_rank(:)
-    call append_parts(own, self%counts, by_rank)
+    call join_parts(own, by_rank)
     x = by_rank(self%place)
   end subroutine collect
 

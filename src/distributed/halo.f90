@@ -5,14 +5,17 @@
 !! other ranks that an entry of the matrix joins to its own, rank by rank and ascending. A neighbour lists the same unknowns in the
 !! same order for its messages, because the pattern is symmetric. Values of neighbours are added in the order of the ranks: the
 !! result has the same bits in every run.
+!!
+!! If each rank has a part of the matrix (that of its own elements), no rank knows alone what lies around its unknowns: the ranks
+!! gather the lists of the unknowns in all halos, and nothing else.
 module amontons_halo
   use amontons_kinds, only: DP, I64
   use amontons_containers, only: list_groups, sort_integers
   use amontons_sparse, only: sparse_type
-  use amontons_mpi_ranks, only: exchange_with_ranks
+  use amontons_mpi_ranks, only: n_ranks, exchange_with_ranks, join_parts
   implicit none
   private
-  public :: halo_type, find_halo, fill_halo, return_halo
+  public :: halo_type, halo_list_type, find_halo, list_halos, find_halo_in_lists, list_domain, fill_halo, return_halo
 
   integer, parameter :: BYTES_OF_NUMBER = storage_size(1.0_DP) / 8
 
@@ -28,6 +31,12 @@ module amontons_halo
     integer(I64) :: n_messages = 0                 !< sent so far
     integer(I64) :: n_bytes = 0                    !< in them
   end type halo_type
+
+  !> The unknowns in the halos of all ranks.
+  type :: halo_list_type
+    integer, allocatable :: first(:)               !< (n_ranks + 1) first place of each rank's halo
+    integer, allocatable :: unknown(:)             !< in the order of `halo_type`
+  end type halo_list_type
 
 contains
 
@@ -56,11 +65,97 @@ contains
       call append_distinct(place(pack(inside, owner(outside) == others(k))), self%send)
       self%send_first(k + 1) = size(self%send) + 1
     end do
+    call count_holders(self)
+  end subroutine find_halo
+
+
+  !> The halos of all ranks, by the parts of a matrix on each; all ranks call it.
+  subroutine list_halos(self, part, owner)
+    type(halo_list_type), intent(out) :: self
+    type(sparse_type), intent(in) :: part          !< of the matrix: upper triangle
+    integer, intent(in) :: owner(:)                !< (n) rank of each unknown, from 0
+    integer, allocatable :: inside(:), outside(:), found(:), of_rank(:)
+    real(DP), allocatable :: unknowns(:), ranks(:)
+    integer :: r
+    found = [integer ::]
+    of_rank = [integer ::]
+    do r = 0, n_ranks() - 1
+      call list_border(part, owner, r, inside, outside)
+      call append_distinct(outside, found)
+      of_rank = [of_rank, spread(r, 1, size(found) - size(of_rank))]
+    end do
+    call join_parts(real(found, DP), unknowns)
+    call join_parts(real(of_rank, DP), ranks)
+    found = nint(unknowns)
+    of_rank = nint(ranks)
+    allocate (self%first(n_ranks() + 1), source=1)
+    self%unknown = [integer ::]
+    do r = 0, n_ranks() - 1
+      call append_by_owner(pack(found, of_rank == r), owner, self%unknown)
+      self%first(r + 2) = size(self%unknown) + 1
+    end do
+  end subroutine list_halos
+
+
+  !> Appends distinct unknowns, rank by rank of their owners and ascending.
+  subroutine append_by_owner(items, owner, list)
+    integer, intent(in) :: items(:), owner(:)
+    integer, allocatable, intent(inout) :: list(:)
+    integer, allocatable :: distinct(:), first(:), members(:)
+    distinct = items
+    call keep_distinct(distinct)
+    call list_groups(owner(distinct) + 1, n_ranks(), first, members)
+    list = [list, distinct(members)]
+  end subroutine append_by_owner
+
+
+  !> The unknowns of a rank, then those of its halo.
+  pure function list_domain(halos, owner, rank) result(unknown)
+    type(halo_list_type), intent(in) :: halos
+    integer, intent(in) :: owner(:), rank
+    integer, allocatable :: unknown(:)
+    integer :: i
+    unknown = [pack([(i, i=1, size(owner))], owner == rank), halos%unknown(halos%first(rank + 1):halos%first(rank + 2) - 1)]
+  end function list_domain
+
+
+  !> The halo of a rank from those of all.
+  subroutine find_halo_in_lists(self, halos, owner, rank)
+    type(halo_type), intent(out) :: self
+    type(halo_list_type), intent(in) :: halos
+    integer, intent(in) :: owner(:)                !< (n) rank of each unknown, from 0
+    integer, intent(in) :: rank                    !< this one
+    integer, allocatable :: others(:), place(:)
+    integer :: i, k
+    self%unknown = list_domain(halos, owner, rank)
+    self%n_own = count(owner == rank)
+    allocate (place(size(owner)), source=0)
+    place(self%unknown(:self%n_own)) = [(i, i=1, self%n_own)]
+    others = owner(self%unknown(self%n_own + 1:))
+    call keep_distinct(others)
+    self%neighbour = others
+    allocate (self%first(size(others) + 1), self%send_first(size(others) + 1), source=1)
+    self%send = [integer ::]
+    do k = 1, size(others)
+      self%first(k + 1) = self%first(k) + count(owner(self%unknown(self%n_own + 1:)) == others(k))
+      associate (theirs => halos%unknown(halos%first(others(k) + 1):halos%first(others(k) + 2) - 1))
+        self%send = [self%send, place(pack(theirs, owner(theirs) == rank))]
+      end associate
+      self%send_first(k + 1) = size(self%send) + 1
+    end do
+    call count_holders(self)
+  end subroutine find_halo_in_lists
+
+
+  !> The ranks that hold each own unknown.
+  pure subroutine count_holders(self)
+    type(halo_type), intent(inout) :: self
+    integer :: k
     allocate (self%n_holders(self%n_own), source=1.0_DP)
     do k = 1, size(self%send)
       self%n_holders(self%send(k)) = self%n_holders(self%send(k)) + 1
     end do
-  end subroutine find_halo
+  end subroutine count_holders
 
 
   !> The entries that join an unknown of a rank to one of another rank.

@@ -11,8 +11,8 @@ module amontons_mpi_ranks
   implicit none
   private
   public :: begin_ranks, end_ranks, join_ranks, leave_ranks, this_rank, n_ranks, is_first_rank
-  public :: sum_over_ranks, gather_parts, exchange_with_ranks, min_over_ranks, share_error, check_agreement, is_shared_by_ranks, &
-    abort_ranks
+  public :: sum_over_ranks, gather_parts, join_parts, exchange_with_ranks, min_over_ranks, share_error, check_agreement, &
+    is_shared_by_ranks, abort_ranks
 
   real(DP), parameter :: SECONDS_TO_MEET = 15.0_DP   !< in which an error that all ranks share reaches all [s]
   ! Of amontons_ranks_join.
@@ -170,6 +170,22 @@ contains
     integer, intent(in) :: counts(:)               !< (n_ranks) lengths of the parts, in the order of the ranks
     call gather_c(x, int(counts, c_int))
   end subroutine gather_parts
+
+
+  !> The parts of all ranks, one after the other.
+  subroutine join_parts(part, whole)
+    real(DP), intent(in) :: part(:)                !< of this rank
+    real(DP), allocatable, intent(out) :: whole(:)
+    real(DP), allocatable :: lengths(:)
+    integer :: before
+    allocate (lengths(n_ranks()), source=0.0_DP)
+    lengths(this_rank() + 1) = real(size(part), DP)
+    call sum_over_ranks(lengths)
+    allocate (whole(sum(nint(lengths))))
+    before = sum(nint(lengths(:this_rank())))
+    whole(before + 1:before + size(part)) = part
+    call gather_parts(whole, nint(lengths))
+  end subroutine join_parts
 
 
   !> Numbers to and from some ranks, by a message to each. What another rank sends it lists for this one in the same way.

@@ -27,7 +27,7 @@ module amontons_library
     STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, NO_FRICTION_LIMIT
   use amontons_user_routine_setup, only: close_user_routines
   use amontons_assembly, only: share_points
-  use amontons_equilibrium, only: evaluate_equilibrium, OUTCOME_OK
+  use amontons_equilibrium, only: evaluate_equilibrium, undivide_matrix, OUTCOME_OK
   use amontons_newton_step, only: linearize_equilibrium
   use amontons_tangent_solution, only: assemble_tangent_matrix
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis, solve_increment, &
@@ -502,6 +502,7 @@ contains
         state = analysis%state
         call evaluate_equilibrium(system, analysis%model, analysis%driven_loads%step, state, trouble, is_frozen=.true.)
         if (trouble == OUTCOME_OK) then
+          call undivide_matrix(system, analysis%model)
           call linearize_equilibrium(system, analysis%model, analysis%driven_loads%step, state, trouble, error)
         end if
       end if

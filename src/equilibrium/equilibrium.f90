@@ -9,19 +9,21 @@ module amontons_equilibrium
   use amontons_kinds, only: DP
   use amontons_containers, only: integer_list_type
   use amontons_errors, only: error_type
-  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements, list_follower_nodes
+  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements, list_follower_nodes, has_unsymmetric_elements
   use amontons_surfaces, only: is_compliant
   use amontons_controls, only: controls_type, PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL
-  use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_GRADIENTS
+  use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_OTHER
   use amontons_phase_clock, only: phase_clock_type
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state, create_material_state, set_temperatures, &
     take_points, DAMPING_NOW, STATUS_OPEN, STATUS_STICK
   use amontons_user_state, only: update_user_fields
   use amontons_model_change, only: find_unconnected_unknowns
-  use amontons_sparse, only: multiply_symmetric
+  use amontons_sparse, only: sparse_type
   use amontons_factorization, only: lu_type
-  use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small, USE_ONCE, USE_REPEATED
+  use amontons_mpi_ranks, only: n_ranks
+  use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small, choose_division, discard_analysis, &
+    USE_ONCE, USE_REPEATED
   use amontons_schur_interface, only: schur_interface_type
   use amontons_contact_preconditioner, only: skin_type
   use amontons_free_rigid_motions, only: free_motions_type
@@ -30,7 +32,9 @@ module amontons_equilibrium
   use amontons_boundary_conditions, only: build_base_constraints
   use amontons_inertia, only: add_inertia_force
   use amontons_stabilization, only: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force
-  use amontons_assembly, only: assembly_type, create_assembly, ensure_matrix, share_points, assemble_forces
+  use amontons_assembly_plan, only: assembly_type, create_assembly, ensure_matrix, multiply_stiffness, node_diagonal, &
+    stiffness_diagonal, couple_nodes
+  use amontons_assembly, only: share_points, assemble_forces
   use amontons_external_loads, only: assemble_external_loads
   use amontons_user_element_forces, only: add_user_forces
   use amontons_user_elements, only: user_unknowns
@@ -51,7 +55,7 @@ module amontons_equilibrium
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: mean_diagonal_stiffness, is_matrix_free_step, has_moving_supports, evaluate_points
-  public :: update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns
+  public :: undivide_matrix, update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
 
@@ -80,6 +84,7 @@ module amontons_equilibrium
     type(schur_interface_type) :: schur_interface              !< the factor of the bulk and the Schur complement of the interface,
                                                                !! where that is cheaper
     type(skin_type) :: skin                        !< the preconditioner of wide contact interfaces
+    logical :: is_dividable = .false.              !< products and directions of the iteration alone need K: it may be divided
     type(free_motions_type) :: motions             !< rigid body motions that the supports alone do not restrain
     real(DP) :: skin_tolerance = 1.0e-6_DP         !< of a direction with the skin: residual over right-hand side [-]
     logical :: is_first_direction = .true.         !< of the increment: it sets the origins of slip of the nodes that close
@@ -170,7 +175,7 @@ contains
     logical, intent(in), optional :: has_trial_points !< of the state
     call prepare_state(system, model, has_trial_points, state, error)
     if (allocated(error)) return
-    call prepare_nonlinear_mpcs(system, model, error)
+    call prepare_nonlinear_mpcs(system, model, size(state%old%slaves) > 0, error)
     if (allocated(error)) return
     allocate (system%u_start(3, model%mesh%n_nodes), system%imbalance(3, model%mesh%n_nodes), &
       system%residual(3, model%mesh%n_nodes), system%residual_at_gap(3, model%mesh%n_nodes), source=0.0_DP)
@@ -179,19 +184,39 @@ contains
 
   !> The pattern of the stiffness, with the couplings of nonlinear MPCs, follower forces and user elements, and the unknowns without
   !! elements.
-  subroutine prepare_nonlinear_mpcs(system, model, error)
+  subroutine prepare_nonlinear_mpcs(system, model, has_contact, error)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
+    logical, intent(in) :: has_contact
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: first(:), nodes(:)
     integer :: i
     call list_coupled_nodes(model, first, nodes)
+    system%is_dividable = is_division_possible(model, has_contact .or. size(nodes) > 0)
     call create_assembly(system%assembly, model%mesh, error, first, nodes, &
-      is_matrix_free=size(model%steps) > 0 .and. all([(is_matrix_free_step(model%steps(i)), i=1, size(model%steps))]))
+      is_matrix_free=size(model%steps) > 0 .and. all([(is_matrix_free_step(model%steps(i)), i=1, size(model%steps))]), &
+      is_deferred=system%is_dividable)
     if (allocated(error)) return
     system%has_no_element = find_unconnected(model, absent_elements(model, 1))
     system%rotation_length = find_rotation_lengths(model)
   end subroutine prepare_nonlinear_mpcs
+
+
+  !> Whether K may be divided among the ranks: there are several, and elements alone contribute to it, symmetrically, with direct
+  !! steps that do not look for a path.
+  function is_division_possible(model, has_more) result(is_possible)
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: has_more                !< contact, or nodes that K couples without an element
+    logical :: is_possible
+    integer :: i
+    is_possible = n_ranks() > 1 .and. .not. has_more .and. size(model%steps) > 0
+    if (is_possible) is_possible = .not. has_unsymmetric_elements(model)
+    if (.not. is_possible) return
+    do i = 1, size(model%steps)
+      if (model%steps(i)%is_riks .or. has_rate_forces(model%steps(i)) .or. model%steps(i)%solver == SOLVER_GRADIENTS) &
+        is_possible = .false.
+    end do
+  end function is_division_possible
 
 
   !> Groups of nodes that K couples besides those of an element of the mesh.
@@ -264,7 +289,6 @@ contains
     system%is_constant = .not. step%is_nlgeom .and. has_linear_bulk(model) .and. .not. has_rate_forces(step)
     system%is_assembled = .false.
     system%is_matrix_free = is_matrix_free_step(step)
-    if (.not. system%is_matrix_free) call ensure_matrix(system%assembly, model%mesh)
     system%skin%memory%is_abandoned = .false.
     if (allocated(step%is_inactive)) system%has_no_element = find_unconnected(model, step%is_inactive)
     system%controls = step%controls
@@ -277,6 +301,8 @@ contains
       (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period))
     call update_base_constraints(system, model, step, state%old, error)
     if (allocated(error)) return
+    call prepare_matrix(system, model, error)
+    if (allocated(error)) return
     call begin_contact_step(system%contact, model, step)
     allocate (is_held(3, model%mesh%n_nodes))
     call find_fixed_directions(model, step, system%base%owner, is_held)
@@ -287,6 +313,46 @@ contains
       if (model%pairs(p)%is_mortar) call find_symmetry_planes(system%contact%mortar(p)%slave, model, is_held)
     end do
   end subroutine begin_step
+
+
+  !> The pattern of K for a step: divided among the ranks where the iteration over them serves.
+  subroutine prepare_matrix(system, model, error)
+    type(equilibrium_type), intent(inout) :: system     !< with the base constraints and the solver of the step
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: coupled
+    logical :: is_divided
+    if (system%is_matrix_free) return
+    is_divided = .false.
+    associate (solver => system%reduced_system)
+      if (system%is_dividable .and. system%base%n_free > 0 .and. .not. solver%is_iteration_abandoned) then
+        is_divided = solver%requested_solver == SOLVER_ITERATIVE
+        if (solver%requested_solver == SOLVER_AUTO) is_divided = solver%is_divided .and. solver%cost%is_estimated   ! as before
+        if (solver%requested_solver == SOLVER_AUTO .and. .not. is_divided .and. &
+          system%base%n_free >= solver%controls%min_unknowns_estimated) then
+          call couple_nodes(model%mesh, coupled)
+          call choose_division(solver, system%base, coupled, is_divided, error)
+          if (allocated(error)) return
+        end if
+      end if
+      if (is_divided .neqv. solver%is_divided) call discard_analysis(solver)
+      solver%is_divided = is_divided
+      if (is_divided) solver%rank_of = system%assembly%rank_of
+    end associate
+    call ensure_matrix(system%assembly, model%mesh, is_divided)
+  end subroutine prepare_matrix
+
+
+  !> Gives each rank the pattern of the whole K from now on; K is to be assembled again.
+  subroutine undivide_matrix(system, model)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    if (.not. system%assembly%is_divided) return
+    call ensure_matrix(system%assembly, model%mesh, .false.)
+    system%is_assembled = .false.
+    system%reduced_system%is_divided = .false.
+    call discard_analysis(system%reduced_system)
+  end subroutine undivide_matrix
 
 
   !> Whether the stiffness of all elements is constant at small displacements.
@@ -581,9 +647,7 @@ contains
     if (system%is_matrix_free) then
       k = [(system%nodal_stiffness(i, i, node), i=1, 3)]
     else
-      associate (matrix => system%assembly%stiffness)
-        k = matrix%value(matrix%first(3 * node - 2:3 * node))
-      end associate
+      k = node_diagonal(system%assembly, node)
     end if
   end function diagonal_stiffness
 
@@ -617,10 +681,9 @@ contains
     real(DP), allocatable :: change(:), applied_force(:, :)
     call system%clock%read(PHASE_OTHER)
     allocate (change(size(du)))
-    call multiply_symmetric(system%assembly%stiffness, reshape(du, [size(du)]), change)
-    associate (K => system%assembly%stiffness)
-      system%linearized_rounding = ROUNDING_FACTOR * epsilon(1.0_DP) * norm2(K%value(K%first(:K%n_rows)) * reshape(du, [size(du)]))
-    end associate
+    call multiply_stiffness(system%assembly, reshape(du, [size(du)]), change)
+    system%linearized_rounding = ROUNDING_FACTOR * epsilon(1.0_DP) * norm2(stiffness_diagonal(system%assembly) * &
+      reshape(du, [size(du)]))
     state%new%u = start%u + du
     state%new%internal_force = start%internal_force + reshape(change, shape(du))
     applied_force = start%applied_force

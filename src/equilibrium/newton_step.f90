@@ -33,6 +33,7 @@ module amontons_newton_step
   use amontons_inertia, only: add_inertia_force, add_inertia_stiffness
   use amontons_stabilization, only: add_damping_force, add_damping_stiffness
   use amontons_unsymmetric_tangent, only: assemble_skew, has_unsymmetric_law
+  use amontons_assembly_plan, only: complete_diagonal
   use amontons_assembly, only: assemble_tangent, assemble_nodal_stiffness
   use amontons_external_loads, only: assemble_external_loads, assemble_reference_loads
   use amontons_user_element_forces, only: add_user_stiffness
@@ -40,7 +41,7 @@ module amontons_newton_step
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows, has_spring
   use amontons_contact_operators, only: assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
   use amontons_equilibrium, only: equilibrium_type, update_base_constraints, discard_bulk_factor, interface_unknowns, &
-    has_moving_supports, n_interface_unknowns, mean_diagonal_stiffness, OUTCOME_OK, &
+    undivide_matrix, has_moving_supports, n_interface_unknowns, mean_diagonal_stiffness, OUTCOME_OK, &
     OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER
   implicit none
   private
@@ -74,7 +75,7 @@ contains
     if (is_old_factor_allowed(system, step)) system%max_old_iterations = old_factor_iterations(system%reduced_system, &
       system%constraints)
     if (.not. (system%has_interface_solver .or. system%is_interface_singular .or. system%max_old_iterations > 0)) &
-      call factorise_reduced_matrix(system, model, outcome, error)
+      call prepare_reduced_solver(system, model, step, state, outcome, error)
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call system%clock%read(PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
@@ -96,7 +97,7 @@ contains
       system%reduced_system%is_iterative))) then
       if (system%max_old_iterations == 0) call abandon_iteration(system%reduced_system)
       system%max_old_iterations = 0
-      call factorise_reduced_matrix(system, model, outcome, error)
+      call prepare_reduced_solver(system, model, step, state, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
       call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
       if (allocated(error)) return
@@ -105,6 +106,30 @@ contains
       error)
     call system%clock%read(PHASE_KRYLOV)
   end subroutine solve_newton_step
+
+
+  !> A and its factor or preconditioner. A divided K is made whole if the iteration over the ranks does not serve.
+  subroutine prepare_reduced_solver(system, model, step, state, outcome, error)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state       !< at which K was assembled
+    integer, intent(out) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    logical :: is_constant                         ! the stiffness of later increments
+    if (.not. system%reduced_system%is_iteration_abandoned) then
+      call factorise_reduced_matrix(system, model, outcome, error)
+      if (allocated(error) .or. .not. (system%assembly%is_divided .and. system%reduced_system%is_iteration_abandoned)) return
+    end if
+    if (system%assembly%is_divided) then
+      is_constant = system%is_assembled
+      call undivide_matrix(system, model)
+      call assemble_bulk(system, model, step, state, outcome, error)
+      if (allocated(error) .or. outcome /= OUTCOME_OK) return
+      system%is_assembled = is_constant
+    end if
+    call factorise_reduced_matrix(system, model, outcome, error)
+  end subroutine prepare_reduced_solver
 
 
   !> Whether the factor of an earlier iteration may precondition the direction: K changes, the constraints do not.
@@ -258,6 +283,7 @@ contains
     if (step%is_dynamic) call add_inertia_stiffness(system%mass, state, system%assembly)
     call add_proximal_shift(system)
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call add_mpc_stiffness(system%base, system%assembly, model, state%new)
+    call complete_diagonal(system%assembly)
   end subroutine assemble_bulk
 
 

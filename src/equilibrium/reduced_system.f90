@@ -3,6 +3,9 @@
 !!
 !! The analysis is kept while the patterns of C and of the springs do not change. It gives the memory and the work of the
 !! factor, which decide between the two (doc/theory/solver.md, "Too large for a factor").
+!!
+!! Of a divided K each rank has the part of its own elements, and A is the sum of C' K_r C over the ranks: the iteration over the
+!! ranks takes its rows from these parts, and nothing else can serve.
 module amontons_reduced_system
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -18,12 +21,12 @@ module amontons_reduced_system
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
   use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, order_unknowns_by_node, &
-    nodes_by_first_use, separator_size
+    nodes_by_first_use, separator_size, graph_separator_size
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, offer_corner_space, &
     factorise_two_level, &
     apply_preconditioner, discard_preconditioner, choose_n_parts, elements_of_part, &
     two_level_megabytes
-  use amontons_mpi_ranks, only: n_ranks, min_over_ranks
+  use amontons_mpi_ranks, only: this_rank, n_ranks, min_over_ranks
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, update_distributed, apply_distributed, &
     solve_distributed, DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, &
     DISTRIBUTED_NAMES
@@ -34,7 +37,7 @@ module amontons_reduced_system
   private
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
     factorise_reduced_system, apply_reduced_inverse, iterate_reduced_system, abandon_iteration, discard_analysis, &
-    old_factor_iterations
+    old_factor_iterations, choose_division
 
   !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner.
   integer, parameter, public :: USE_ONCE = 1, USE_REPEATED = 2, USE_SKIN = 3
@@ -53,7 +56,9 @@ module amontons_reduced_system
   !> A, and its factor or preconditioner.
   type :: reduced_system_type
     type(reduction_type) :: reduction
-    type(sparse_type) :: matrix                    !< A
+    type(sparse_type) :: matrix                    !< A, or its part of this rank
+    logical :: is_divided = .false.                !< A is the sum of `matrix` over the ranks
+    integer, allocatable :: rank_of(:)             !< (n_elements) of each element, from 0, if A is divided
     type(cholesky_type) :: factor                    !< of A, or of A with a shift
     type(two_level_preconditioner_type) :: iterative              !< in place of the factor
     type(distributed_two_level_type) :: divided    !< the same over the ranks
@@ -98,6 +103,47 @@ contains
   end subroutine plan_reduced_solver
 
 
+  !> Whether the iteration over the ranks shall serve, so that K may be divided: as the step requests, or by the estimate of the
+  !! factor.
+  subroutine choose_division(self, constraints, coupled, is_divided, error)
+    type(reduced_system_type), intent(inout) :: self
+    type(constraints_type), intent(in) :: constraints
+    type(sparse_type), intent(in) :: coupled       !< nodes that elements couple: pattern, upper triangle
+    logical, intent(out) :: is_divided
+    type(error_type), allocatable, intent(out) :: error
+    type(sparse_type) :: graph
+    integer :: n_members(coupled%n_rows), node(constraints%n_free), i, k, n, n_separator
+    logical :: is_decided
+    is_divided = .false.
+    n_members = 0
+    node = nodes_of(constraints)
+    do i = 1, size(node)
+      n_members(node(i)) = n_members(node(i)) + 1
+    end do
+    graph = coupled
+    n = 0
+    self%cost = solution_cost_type()
+    do i = 1, coupled%n_rows
+      graph%first(i) = n + 1
+      do k = coupled%first(i), coupled%first(i + 1) - 1
+        associate (j => coupled%column(k))
+          self%cost%iteration_operations = self%cost%iteration_operations + real(n_members(i) * n_members(j), DP)
+          if (j == i .or. n_members(i) * n_members(j) == 0) cycle
+          n = n + 1
+          graph%column(n) = j
+        end associate
+      end do
+    end do
+    graph%first(coupled%n_rows + 1) = n + 1
+    self%cost%iteration_operations = self%controls%operations_per_entry * (self%cost%iteration_operations - &
+      0.5_DP * real(sum(n_members * (n_members - 1)), DP))
+    call graph_separator_size(graph, n_members, n_separator, error)
+    if (allocated(error)) return
+    call judge_separator(self, n_separator, is_decided)
+    is_divided = is_decided
+  end subroutine choose_division
+
+
   !> Whether a factor is surely small enough, without an analysis.
   logical function is_factor_small(controls, n, is_repeated)
     type(linear_solver_controls_type), intent(in) :: controls
@@ -110,7 +156,7 @@ contains
 
 
   !> A and its factor, or preconditioner; a factor of the same K and C is kept. `status` is FACTOR_OK, or says that A is not
-  !! positive even with a shift.
+  !! positive even with a shift. A divided A that is not positive has no solver: is_iteration_abandoned requires a whole K.
   subroutine factorise_reduced_system(self, stiffness, has_springs, constraints, mesh, status, error)
     type(reduced_system_type), intent(inout) :: self
     type(sparse_type), intent(in) :: stiffness     !< K, or K with springs
@@ -139,6 +185,7 @@ contains
       self%is_current = .not. is_broken
       if (self%is_current) return
       call abandon_iteration(self)
+      if (self%is_divided) return
       call analyse_reduced(self, stiffness, has_springs, constraints, mesh, error)
       if (allocated(error)) return
       call reduce_matrix(self%reduction, stiffness, constraints%transformation, self%matrix, error)
@@ -229,11 +276,14 @@ contains
     self%is_iterative = (self%requested_solver == SOLVER_ITERATIVE .or. self%distributed_kind /= DISTRIBUTED_NONE) .and. &
       .not. self%is_iteration_abandoned
     self%max_iterations = self%controls%max_cg_iterations
-    self%cost = solution_cost_type( &
+    if (.not. self%is_divided) self%cost = solution_cost_type( &
       iteration_megabytes=two_level_megabytes(constraints%n_free, size(self%matrix%column), choose_n_parts(mesh%n_nodes), &
       any(has_midsides(mesh%kind))), &
       iteration_operations=self%controls%operations_per_entry * real(size(self%matrix%column), DP))
-    if (.not. self%is_iterative) then
+    if (self%is_divided) then
+      self%is_iterative = .true.
+      self%distributed_kind = DISTRIBUTED_TWO_LEVEL
+    else if (.not. self%is_iterative) then
       call find_factor_cost(self, constraints, error)
       if (allocated(error)) return
       associate (cost => self%cost)
@@ -290,17 +340,24 @@ contains
     integer, allocatable :: of_element(:)
     integer :: of_node(mesh%n_nodes), unknown(constraints%n_free), e, i
     of_node = 0
-    if (n_ranks() > 1) then
+    if (self%is_divided) then
+      of_element = self%rank_of + 1
+    else if (n_ranks() > 1) then
       call partition_mesh(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, n_ranks(), of_element, error=error)
       if (allocated(error)) return
-      do e = 1, mesh%n_elements
-        of_node(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = of_element(e) - 1
-      end do
     end if
+    do e = 1, merge(mesh%n_elements, 0, n_ranks() > 1)
+      of_node(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = of_element(e) - 1
+    end do
     if (self%distributed_kind == DISTRIBUTED_TWO_LEVEL) then
       call create_subdomains(coarse_space, constraints, mesh, error)
       if (allocated(error)) return
-      call create_distributed_two_level(self%divided, self%matrix, of_node(nodes_of(constraints)), coarse_space)
+      if (self%is_divided) then
+        call create_distributed_two_level(self%divided, self%matrix, of_node(nodes_of(constraints)), coarse_space, &
+          held_unknowns(self, constraints, mesh))
+      else
+        call create_distributed_two_level(self%divided, self%matrix, of_node(nodes_of(constraints)), coarse_space)
+      end if
       return
     end if
     do i = 1, constraints%n_unknowns
@@ -308,6 +365,27 @@ contains
     end do
     call create_distributed(self%distributed, self%distributed_kind, self%matrix, unknown, of_node, mesh%coordinates, error)
   end subroutine distribute
+
+
+  !> The free unknowns to which elements of this rank contribute.
+  function held_unknowns(self, constraints, mesh) result(is_held)
+    type(reduced_system_type), intent(in) :: self
+    type(constraints_type), intent(in) :: constraints
+    type(mesh_type), intent(in) :: mesh
+    logical :: is_held(constraints%n_free)
+    logical :: is_own(mesh%n_nodes)                ! a node of an element of this rank
+    integer :: e, i
+    is_own = .false.
+    do e = 1, mesh%n_elements
+      if (self%rank_of(e) == this_rank()) is_own(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
+    end do
+    is_held = .false.
+    associate (C => constraints%transformation)
+      do i = 1, C%n_rows
+        if (is_own((i + 2) / 3)) is_held(C%column(C%first(i):C%first(i + 1) - 1)) = .true.
+      end do
+    end associate
+  end function held_unknowns
 
 
   !> Memory and work of the factor, and whether they are too much: by its analysis, or by an estimate where that suffices.
@@ -343,25 +421,35 @@ contains
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
     type(error_type), allocatable, intent(out) :: error
+    logical :: is_decided
+    integer :: n_separator
+    if (constraints%n_free < self%controls%min_unknowns_estimated .or. self%is_iteration_abandoned .or. &
+      allocated(self%node_order)) return
+    call separator_size(self%matrix, nodes_of(constraints), constraints%n_unknowns / 3, n_separator, error)
+    if (.not. allocated(error)) call judge_separator(self, n_separator, is_decided)
+  end subroutine estimate_factor
+
+
+  !> Whether a factor with such a last separator is so much too large or too slow. Then the cost is the estimate.
+  subroutine judge_separator(self, n_separator, is_decided)
+    type(reduced_system_type), intent(inout) :: self
+    integer, intent(in) :: n_separator             !< unknowns
+    logical, intent(out) :: is_decided
     real(DP) :: n, megabytes, entries, operations
     logical :: is_too_large, is_too_slow
-    integer :: n_separator
     associate (limits => self%controls, cost => self%cost)
-      if (constraints%n_free < limits%min_unknowns_estimated .or. self%is_iteration_abandoned .or. &
-        allocated(self%node_order)) return
-      call separator_size(self%matrix, nodes_of(constraints), constraints%n_unknowns / 3, n_separator, error)
-      if (allocated(error)) return
       n = real(n_separator, DP)
       entries = limits%separator_entries_ratio * n**2
       megabytes = 8.0e-6_DP * entries
       operations = limits%separator_work_ratio * n**3
       is_too_large = megabytes > limits%estimate_safety_factor * memory_limit(limits)
       is_too_slow = factor_work(self, operations, entries) > limits%estimate_safety_factor * iteration_work(self)
-      if (.not. (is_too_large .or. is_too_slow)) return
+      is_decided = is_too_large .or. is_too_slow
+      if (.not. is_decided) return
       cost = solution_cost_type(megabytes, entries, operations, .true., cost%iteration_megabytes, cost%iteration_operations, &
         is_too_large, is_too_slow)
     end associate
-  end subroutine estimate_factor
+  end subroutine judge_separator
 
 
   !> Operations of a factor for what it serves, with its solutions where both solvers take many. Zero: a factor always pays.

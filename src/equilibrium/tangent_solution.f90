@@ -8,7 +8,7 @@ module amontons_tangent_solution
   use amontons_errors, only: error_type
   use amontons_steps, only: step_type, SOLVER_AUTO
   use amontons_state, only: state_type
-  use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric, sparse_product, sparse_transpose, &
+  use amontons_sparse, only: sparse_type, multiply, multiply_transpose, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced_system, only: apply_reduced_inverse, iterate_reduced_system
@@ -19,6 +19,7 @@ module amontons_tangent_solution
   use amontons_constraints, only: condense_forces, build_condensation_matrix
   use amontons_unsymmetric_tangent, only: subtract_skew_product, combine_with_skew, has_unsymmetric_law
   use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents
+  use amontons_assembly_plan, only: multiply_stiffness, largest_stiffness
   use amontons_arc_length, only: close_arc
   use amontons_equilibrium, only: equilibrium_type, n_interface_unknowns, discard_bulk_factor, OUTCOME_OK, OUTCOME_LINEAR_SOLVER
   implicit none
@@ -173,7 +174,9 @@ contains
     if (report%status == KRYLOV_CONVERGED) return
     if (system%max_old_iterations > 0) outcome = OUTCOME_LINEAR_SOLVER
     if (outcome /= OUTCOME_OK) return
-    if (report%status == KRYLOV_STAGNATED .and. is_at_rounding_level(system, report%residual * norm2(b), v)) return
+    if (report%status == KRYLOV_STAGNATED) then
+      if (is_at_rounding_level(system, report%residual * norm2(b), v)) return
+    end if
     if (is_iterative .and. report%residual <= system%controls%krylov%tolerance) return   ! at rounding level for a slender body
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
     if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
@@ -301,11 +304,11 @@ contains
   !> Whether the residual of a direction is at rounding level of the product of stiffness and direction (backward error), as with
   !! large displacements of weakly supported bodies. No factorisation would give a better direction (N. J. Higham, Accuracy and
   !! Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 7.1).
-  pure logical function is_at_rounding_level(system, residual, v)
+  logical function is_at_rounding_level(system, residual, v)
     type(equilibrium_type), intent(in) :: system
     real(DP), intent(in) :: residual               !< norm of the residual [force]
     real(DP), intent(in) :: v(:)                   !< (n_free) [length]
-    is_at_rounding_level = residual <= TOL_BACKWARD_ERROR * maxval(abs(system%assembly%stiffness%value)) * norm2(v)
+    is_at_rounding_level = residual <= TOL_BACKWARD_ERROR * largest_stiffness(system%assembly) * norm2(v)
   end function is_at_rounding_level
 
 
@@ -371,7 +374,7 @@ contains
     real(DP), intent(in) :: flat(:)                !< du (n_unknowns) [length]
     real(DP), intent(out) :: w(:)                  !< (n_unknowns) [force]
     real(DP), allocatable :: du(:, :), d_imbalance(:, :), d_force(:, :)
-    call multiply_symmetric(system%assembly%stiffness, flat, w)
+    call multiply_stiffness(system%assembly, flat, w)
     call subtract_skew_product(system%assembly%skew, flat, w)
     if (size(system%contact_tangents) == 0) return
     allocate (d_imbalance(3, size(flat) / 3), d_force(3, size(flat) / 3))

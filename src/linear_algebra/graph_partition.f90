@@ -11,7 +11,8 @@ module amontons_graph_partition
   use amontons_sparse, only: sparse_type
   implicit none
   private
-  public :: partition_mesh, aggregate_elements, order_unknowns, nodes_by_first_use, order_unknowns_by_node, separator_size
+  public :: partition_mesh, aggregate_elements, order_unknowns, nodes_by_first_use, order_unknowns_by_node, separator_size, &
+    graph_separator_size
 
   integer, parameter :: METIS_OK = 1             !< of metis.h
   integer, parameter :: METIS_NO_MEMORY = -3     !< of metis.h
@@ -346,21 +347,31 @@ contains
     integer, intent(out) :: n_separating
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: graph
-    integer, allocatable :: members_first(:), members(:)
+    integer, allocatable :: first(:), members(:)
+    call list_groups(group, n_groups, first, members)
+    call group_graph(matrix, group, n_groups, first, members, graph)
+    call graph_separator_size(graph, first(2:) - first(:n_groups), n_separating, error)
+  end subroutine separator_size
+
+
+  !> The same of a graph of the groups.
+  subroutine graph_separator_size(graph, n_members, n_separating, error)
+    type(sparse_type), intent(in) :: graph             !< pattern only: each pair once
+    integer, intent(in) :: n_members(:)                !< unknowns of each group
+    integer, intent(out) :: n_separating
+    type(error_type), allocatable, intent(out) :: error
     integer(c_int32_t), allocatable :: first(:), neighbours(:)
-    integer(c_int32_t) :: part(n_groups), weight(n_groups)
+    integer(c_int32_t) :: part(graph%n_rows), weight(graph%n_rows)
     integer :: status
     n_separating = 0
-    call list_groups(group, n_groups, members_first, members)
-    call group_graph(matrix, group, n_groups, members_first, members, graph)
     call symmetrize_graph(graph, first, neighbours)
     if (size(neighbours) == 0) return
-    weight = max(1, members_first(2:) - members_first(:n_groups))
+    weight = max(1, n_members)
     !$omp critical (metis)
-    status = metis_separator(n_groups, first, neighbours, weight, c_null_ptr, n_separating, part)
+    status = metis_separator(graph%n_rows, first, neighbours, weight, c_null_ptr, n_separating, part)
     !$omp end critical (metis)
     call check_status(status, error)
-  end subroutine separator_size
+  end subroutine graph_separator_size
 
 
   !> The graph of groups coupled by a matrix of their members. A pair may occur from either side, or from both.

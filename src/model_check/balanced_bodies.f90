@@ -10,7 +10,7 @@ module amontons_balanced_bodies
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
   use amontons_text, only: to_text, plural
-  use amontons_assembly, only: assembly_type
+  use amontons_assembly_plan, only: assembly_type
   use amontons_external_loads, only: assemble_external_loads
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, n_nonlinear_mpcs

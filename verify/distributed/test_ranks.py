@@ -102,6 +102,60 @@ def krylov_iterations(outcome: Outcome) -> int:
     return int(re.search(r"Krylov iterations +(\d+)", outcome.text)[1])
 
 
+DIVIDED = [  #: solids alone, so that the stiffness is divided: NLGEOM, laws with history, ties, follower pressure, changes between steps
+    "mixed/element-C3D8-nl",
+    "mixed/element-C3D20-nl",
+    "mixed/plastic-C3D8-isotropic-T-nl",
+    "mixed/creep-C3D10-nl",
+    "mixed/steps-mixed-nl",
+    "feature/tie-C3D8-C3D20-nl",
+    "feature/pretension-C3D4-nl",
+    "feature/springa-table-nl",
+    "feature/reference-kinematic-nl-moved",
+]
+
+
+@pytest.mark.parametrize("name", DIVIDED)
+def test_divided_stiffness(tmp_path: Path, name: str) -> None:
+    """Each rank keeps the stiffness of its own elements: the increments and Newton iterations of the iteration in the serial program, fields
+    within Newton's tolerance, as two preconditioners give directions that differ by a thousandth of it."""
+    deck = with_solver(all_decks()[name], "ITERATIVE SCALING")
+    serial = run(tmp_path / "serial", deck, 0, DIALECT)
+    assert serial.code == 0, serial.text
+    for n in (2, 4):
+        ranks = run(tmp_path / f"ranks{n}", deck, n, DIALECT)
+        what, worst = difference(serial, ranks)
+        assert what == "" and worst < 1e-5, f"{n} ranks: {what} {worst}"
+
+
+def bar(cards: str) -> str:
+    """A cantilever of hexahedra with NLGEOM and two increments, by iteration; cards in place of its loads."""
+    deck = cantilever("C3D8", (2, 2, 20), 0.3, step="*STEP, NLGEOM\n*STATIC, SOLVER=ITERATIVE SCALING, DIRECT\n0.5, 1.\n")
+    return deck.replace("*CLOAD\nTIP, 1, 0.1\nTIP, 3, -0.02\n", cards)
+
+
+def test_follower_pressure(tmp_path: Path) -> None:
+    """A pressure that turns with the faces: its stiffness is added by the rank of the element."""
+    deck = bar("*DLOAD\nALL, P3, 20.\n")
+    serial, *ranks = (run(tmp_path / str(n), deck, n) for n in (0, 2, 4))
+    assert serial.code == 0, serial.text
+    for outcome in ranks:
+        what, worst = difference(serial, outcome)
+        assert what == "" and worst < 1e-7
+
+
+def test_whole_stiffness_for_a_factor(tmp_path: Path) -> None:
+    """A strut beyond its buckling load: the tangent is not positive definite, the ranks make the divided stiffness whole and take a factor,
+    in the iterations of the serial program and with its fields."""
+    deck = bar("*CLOAD\nTIP, 1, 0.5\nTIP, 3, -2000.\n")
+    serial, *ranks = (run(tmp_path / str(n), deck, n) for n in (0, 2, 4))
+    assert serial.code == 0 and "did not converge: a factor is used" in serial.text
+    for outcome in ranks:
+        assert "solved by two-level iteration" in outcome.text and "did not converge: a factor is used" in outcome.text
+        what, worst = difference(serial, outcome)
+        assert what == "" and worst < TOLERANCE
+
+
 @pytest.mark.slow
 def test_default(tmp_path: Path) -> None:
     """A cube of 3 * 22 * 23^2 free unknowns, more than 30 000: two ranks solve it each for itself, four share it."""

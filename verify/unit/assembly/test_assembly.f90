@@ -1,7 +1,8 @@
 !> Unit test of assembly: patch test, rigid motions, tangent against differences, removed and inverted elements, order of elements.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_assembly
-  use amontons_assembly, only: assembly_type, create_assembly, assemble_forces, assemble_tangent, add_node_block, element_material
+  use amontons_assembly_plan, only: assembly_type, create_assembly, add_node_block
+  use amontons_assembly, only: assemble_forces, assemble_tangent, element_material
   use amontons_errors, only: error_type
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh

@@ -1,7 +1,7 @@
 !> Unit test of external_loads: resultants and moments of each load by its formula, time, removed elements, load stiffness.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_external_loads
-  use amontons_assembly, only: assembly_type, create_assembly
+  use amontons_assembly_plan, only: assembly_type, create_assembly
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_external_loads, only: assemble_external_loads

@@ -1,7 +1,7 @@
 !> Tests of inertia: consistent mass, force against its stiffness by differences, rest at the start, energies of backward Euler.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_inertia
-  use amontons_assembly, only: assembly_type, create_assembly
+  use amontons_assembly_plan, only: assembly_type, create_assembly
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_inertia, only: begin_motion, assemble_mass, add_inertia_force, add_inertia_stiffness, conclude_inertia, &

@@ -1,7 +1,8 @@
 !> Unit test of user_element_forces: arguments of UEL, forces, symmetric and skew stiffness, energies, failures.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_user_element_forces
-  use amontons_assembly, only: assembly_type, create_assembly, assemble_tangent
+  use amontons_assembly_plan, only: assembly_type, create_assembly
+  use amontons_assembly, only: assemble_tangent
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: error_type, diagnostic_list_type
   use amontons_kinds, only: DP
