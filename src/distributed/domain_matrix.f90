@@ -41,8 +41,8 @@ contains
     integer, intent(in) :: owner(:)                !< (n) rank of each unknown, from 0
     type(halo_list_type), intent(in) :: halos
     type(sparse_type), intent(out) :: matrix       !< A on the domain, upper triangle, without values
-    type(entry_list_type) :: list, own
-    integer, allocatable :: place(:), send(:), n_sent(:), row(:), column(:)
+    type(entry_list_type) :: list
+    integer, allocatable :: place(:), send(:), n_sent(:), own_row(:), own_column(:), row(:), column(:)
     real(DP), allocatable :: rows(:), columns(:)
     logical, allocatable :: is_listed(:)           ! the diagonal of the own domain is listed in any case
     integer :: r, rank
@@ -54,7 +54,9 @@ contains
       is_listed = is_held .or. r == rank
       call list_entries(part, is_listed, list_domain(halos, owner, r), place, list)
       if (r == rank) then
-        own = list
+        call move_alloc(list%source, self%keep)
+        call move_alloc(list%row, own_row)
+        call move_alloc(list%column, own_column)
       else
         n_sent(r) = size(list%source)
         send = [send, list%source]
@@ -64,9 +66,8 @@ contains
     end do
     call move_alloc(send, self%send)
     call find_neighbours(self, n_sent)
-    call join_contributions(self, own%row, rows, row)
-    call join_contributions(self, own%column, columns, column)
-    call move_alloc(own%source, self%keep)
+    call join_contributions(self, own_row, rows, row)
+    call join_contributions(self, own_column, columns, column)
     call find_pattern(count(owner == rank) + halos%first(rank + 2) - halos%first(rank + 1), row, column, matrix, self%target)
   end subroutine plan_domain_sum
 
@@ -125,12 +126,18 @@ contains
   !> Integers of all contributions, rank by rank.
   subroutine join_contributions(self, own, sent, all_of_them)
     type(domain_sum_type), intent(in) :: self
-    integer, intent(in) :: own(:)                  !< of this rank's entries in its own domain
+    integer, allocatable, intent(inout) :: own(:)  !< in: of this rank's entries in its own domain; out: not allocated
     real(DP), intent(in) :: sent(:)                !< of those for other ranks
     integer, allocatable, intent(out) :: all_of_them(:)
     real(DP) :: received(self%receive_first(size(self%receive_first)) - 1)
     call exchange_with_ranks(self%neighbour, self%send_first, sent, self%receive_first, received)
-    all_of_them = [nint(received(:self%n_before)), own, nint(received(self%n_before + 1:))]
+    associate (n => self%n_before, m => size(own))
+      allocate (all_of_them(size(received) + m))
+      all_of_them(:n) = nint(received(:n))
+      all_of_them(n + 1:n + m) = own
+      all_of_them(n + m + 1:) = nint(received(n + 1:))
+    end associate
+    deallocate (own)
   end subroutine join_contributions
 
 

@@ -182,6 +182,7 @@ contains
     if (self%is_iterative) then
       call update_iteration(self, is_broken, error)
       if (allocated(error)) return
+      if (self%is_divided) deallocate (self%matrix%value)
       self%is_current = .not. is_broken
       if (self%is_current) return
       call abandon_iteration(self)
@@ -246,6 +247,7 @@ contains
     if (is_known) return
     call analyse_reduction(stiffness, constraints%transformation, self%reduction, self%matrix, error)
     if (allocated(error)) return
+    if (self%is_divided) deallocate (self%matrix%value)   ! only the sum on the domain is kept
     call choose_solver(self, constraints, mesh, error)
     if (allocated(error)) return
     self%analysed_map = constraints%transformation
