@@ -2,6 +2,7 @@
 
     python -m verify.benchmark.ranks_table [--fixed 26] [--ranks 1 2 4 16 64] [--weak 10] [--weak-ranks 1 2 4 8 16]
     python -m verify.benchmark.ranks_table --speed linear plastic [--edge 54]
+    python -m verify.benchmark.ranks_table --shares [--ranks 1 2 4] [--edge 54]
 
 The first command solves a fixed cube of C3D8 on so many ranks, and cubes whose unknowns grow with the ranks (weak scaling: the edge is
 that of one rank times the cube root of the ranks). Iterations and counters are those that the job prints; they do not depend on how
@@ -9,6 +10,9 @@ many cores there are. "Paper" is the halo of a cube of so many unknowns: the nod
 
 With --speed it takes the elapsed time of one and of two ranks in turns, three times, on a machine with two free cores, and prints
 medians and their ratio: a linear cube, and the same cube with plasticity and NLGEOM in three increments.
+
+With --shares it prints what the rank with most takes for the linear cube: processor seconds, in which it may wait for others, and the
+peak of memory (GNU time, apt-get install time). They depend little on what else the machine does.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -18,6 +22,7 @@ from __future__ import annotations
 import argparse
 import re
 import statistics
+import subprocess
 import sys
 import tempfile
 import time
@@ -84,6 +89,17 @@ def speed(folder: Path, name: str, deck: str) -> str:
     return f"| {name} | {one:.1f} | {two:.1f} | {one / two:.2f} |"
 
 
+def shares(folder: Path, edge: int, n_ranks: int) -> str:
+    """Processor seconds and peak of memory of a rank, at most."""
+    (folder / "job.inp").write_text(cube(edge, SOLVER))
+    command = ["mpiexec", "-n", str(n_ranks), "/usr/bin/time", "-f", "a rank: %U %S %M", str(ranks_and_serial.program("amontons-mpi")), "job"]
+    done = subprocess.run(command, cwd=folder, env=ranks_and_serial.environment(), capture_output=True, text=True, check=True)
+    lines = [[float(value) for value in found] for found in re.findall(r"a rank: ([\d.]+) ([\d.]+) (\d+)", done.stderr)]
+    assert len(lines) == n_ranks
+    seconds = max(user + system for user, system, _ in lines)
+    return f"| {n_ranks} | {seconds:.1f} | {max(peak for *_, peak in lines) / 1024:.0f} |"
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -93,10 +109,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--weak-ranks", nargs="*", type=int, default=[1, 2, 4, 8, 16])
     parser.add_argument("--speed", nargs="*", choices=["linear", "plastic"], default=[])
     parser.add_argument("--edge", type=int, default=54)
+    parser.add_argument("--shares", action="store_true")
     options = parser.parse_args(arguments)
     ranks_and_serial.TIME_LIMIT = 3600
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        if options.shares:
+            print("| ranks | processor s of a rank | peak of a rank, MB |\n|---|---|---|")
+            for n in options.ranks:
+                print(shares(folder, options.edge, n), flush=True)
+            return 0
         if options.speed:
             print(f"| {options.edge**3} elements | one rank, s | two ranks, s | ratio |\n|---|---|---|---|")
             decks = {"linear": cube(options.edge, SOLVER), "plastic": plastic(options.edge)}
