@@ -22,7 +22,7 @@ module amontons_external_loads
   use amontons_steps, only: step_type
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
     MAX_FACE_NODES, MAX_ELEMENT_POINTS, &
-    KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX8R, KIND_SPRINGA
+    KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
   use amontons_user_state, only: evaluate_dload
   implicit none
   private
@@ -299,7 +299,7 @@ contains
     force = 0
     call integrate_unit_mass(kind, X, section, mass, walls)
     P = IDENTITY - spread(spin(:, 2), 2, 3) * spread(spin(:, 2), 1, 3)
-    if (kind >= KIND_CPS3 .and. kind <= KIND_CAX8R) P(3, :) = 0   ! no component out of the plane
+    if (kind >= KIND_CPS3 .and. kind <= KIND_CAX_SHELL) P(3, :) = 0   ! no component out of the plane
     P = spin(1, 3) * P
     do b = 1, n
       do a = 1, n

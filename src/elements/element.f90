@@ -21,7 +21,7 @@ module amontons_element
   use amontons_tensor, only: cross_product, skew_matrix
   use amontons_element_kinds, only: facet_kind_type, kind_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, &
-    KIND_CPS3, KIND_CAX8R, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, KIND_USER, &
+    KIND_CPS3, KIND_CAX_SHELL, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, KIND_USER, &
     N_SOLID_KINDS
   implicit none
   private
@@ -45,7 +45,7 @@ contains
     real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< d force/d u, symmetric (C3D8I:
                                                                                                  !! plus skew)
     select case (kind)
-    case (KIND_CPS3:KIND_CAX8R)
+    case (KIND_CPS3:KIND_CAX_SHELL)
       call evaluate_plane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_M3D3:KIND_M3D8R)
       call evaluate_membrane_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
@@ -105,7 +105,7 @@ contains
     real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     volumes = 0
     select case (kind)
-    case (KIND_CPS3:KIND_CAX8R)
+    case (KIND_CPS3:KIND_CAX_SHELL)
       call evaluate_plane_volumes(kind, X, section, n, volumes, status)
     case (KIND_M3D3:KIND_M3D8R)
       call evaluate_membrane_volumes(kind, X, section, n, volumes, status)
@@ -133,7 +133,7 @@ contains
     real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     force = 0
     select case (kind)
-    case (KIND_CPS3:KIND_CAX8R)
+    case (KIND_CPS3:KIND_CAX_SHELL)
       call integrate_plane_body_force(kind, X, section, b, force)
     case (KIND_M3D3:KIND_M3D8R)
       call integrate_membrane_body_force(kind, X, section, b, force)
@@ -157,7 +157,7 @@ contains
     select case (kind)
     case (:N_SOLID_KINDS)
       call set_solid_temperature_weights(kind, weight, walls)
-    case (KIND_CPS3:KIND_CAX8R)
+    case (KIND_CPS3:KIND_CAX_SHELL)
       call set_plane_temperature_weights(kind, weight)
     case (KIND_M3D3:KIND_M3D8R)
       call set_membrane_temperature_weights(kind, weight)

@@ -33,7 +33,7 @@ module amontons_plane_elements
     integrate_edge_pressure
 
   integer, parameter :: MAX_PLANE_NODES = 8                    !< most nodes
-  integer, parameter :: MAX_PLANE_POINTS = 9                    !< most points
+  integer, parameter :: MAX_PLANE_POINTS = 10                   !< most points
   integer, parameter :: PLANE_COMPONENTS(4) = [1, 2, 3, 4]       !< xx yy zz xy among the six
 
   !> The geometry of one element.

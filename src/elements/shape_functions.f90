@@ -9,7 +9,7 @@ module amontons_shape_functions
   use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, GAUSS_2, GAUSS_3
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
-    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
+    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
     FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES
   use amontons_tensor, only: solve_normal_equations
@@ -21,6 +21,7 @@ module amontons_shape_functions
   public :: MAX_FACET_POINTS
 
   integer, parameter :: RULE_TRI1 = 7, RULE_QUAD1 = 8, RULE_LINE1 = 9   !< rules of one point, beside those of the facet kinds
+  real(DP), parameter :: SIMPSON(5) = [real(DP) :: 1, 4, 2, 4, 1] / 6   !< five heights of shells, with points on both faces
   integer, parameter :: MAX_FACET_POINTS = 9       !< most integration points of a facet
 
   ! Corners of the hexahedron, then the middles of its edges, as signs.
@@ -227,7 +228,8 @@ contains
   !!   C3D4 1 point (degree 1), C3D6 2 points, C3D8, C3D8I and C3D20R 2x2x2 (degree 3 each way), C3D8R 1 point,
   !!   C3D10 4 points (degree 2), C3D15 3 points times 3 (degree 2 in the triangle, 5 along it),
   !!   C3D20 3x3x3 (degree 5 each way), CSS8 and CSS6 2x2 and 3 points at five heights; plane
-  !!   kinds: triangles 1 or 3 points, quadrilaterals 1, 2x2 or 3x3; trusses 1 or 2; beams: module beam_rules
+  !!   kinds: triangles 1 or 3 points, quadrilaterals 1, 2x2 or 3x3, axisymmetric shells two at five heights; trusses 1 or 2;
+  !!   beams: module beam_rules
   pure subroutine quadrature(kind, n, xi, w, walls)
     integer, intent(in) :: kind                    !< KIND_...
     integer, intent(out) :: n                      !< number of points
@@ -319,7 +321,6 @@ contains
     real(DP), intent(in) :: flat(:, :)             !< (2, points) of the face
     real(DP), intent(in) :: weight(:)
     real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
-    real(DP), parameter :: SIMPSON(5) = [real(DP) :: 1, 4, 2, 4, 1] / 6
     integer :: k, m
     m = size(weight)
     do k = 1, 5
@@ -351,8 +352,15 @@ contains
     real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     type(element_kind_type) :: entry
     real(DP) :: flat(2, MAX_FACET_POINTS), weight(MAX_FACET_POINTS)
+    integer :: k
     entry = element_kind(kind)
     n = entry%n_points
+    if (kind == KIND_CAX_SHELL) then               ! two places along it at five heights
+      xi(1, :n) = [(-GAUSS_2, GAUSS_2, k=1, 5)]
+      xi(2, :n) = [(0.5_DP * real(k - 3, DP) * [1.0_DP, 1.0_DP], k=1, 5)]
+      w(:n) = [(SIMPSON(k) * [1.0_DP, 1.0_DP], k=1, 5)]
+      return
+    end if
     flat = 0
     select case (facet_shape_kind(kind))
     case (FACET_LINE2, FACET_LINE3)
@@ -461,6 +469,7 @@ contains
   !! | one point       | the one value                                       | the same              |
   !! | plane           | linear through 3 points, bilinear through 4 points  | mean of the 2 corners |
   !! | plane, 9 points | least squares fit of the 8 shape functions          | the same              |
+  !! | plane shell     | linear through the 2 points of its height           | the same              |
   !! | T3D3            | linear through 2 points                             | mean of the 2 ends    |
   !! | beams           | least squares fit, see `extrapolate_beam`           | the same              |
   pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points, walls)
@@ -541,7 +550,7 @@ contains
     integer, intent(in) :: n_nodes, n_points
     real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     real(DP) :: at(3, MAX_ELEMENT_NODES), xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), area(3)
-    integer :: a, p, n
+    integer :: a, p, n, height
     call node_coordinates(kind, at)
     call quadrature(kind, n, xi, w)
     do a = 1, n_nodes
@@ -553,6 +562,9 @@ contains
         matrix(a, :3) = 2 * area - 1.0_DP / 3
       case (4)
         matrix(a, :4) = [(0.25_DP * product(1 + xi(:2, p) * at(:2, a) / GAUSS_2**2), p=1, 4)]
+      case (10)
+        height = 3 + nint(2 * at(2, a))
+        matrix(a, 2 * height - 1:2 * height) = 0.5_DP * (1 + [-1.0_DP, 1.0_DP] * at(1, a) / GAUSS_2)
       case default
         matrix(a, 1) = 1
       end select

@@ -13,8 +13,7 @@ module amontons_directors
     SECTION_CIRC
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: element_kind_type, element_kind, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
-    FAMILY_BEAM, &
-    MAX_FACE_NODES
+    FAMILY_BEAM, KIND_SAX2, MAX_FACE_NODES
   implicit none
   private
   public :: find_directors, find_element_normals
@@ -57,7 +56,8 @@ contains
   end subroutine find_directors
 
 
-  !> At nodes of a symmetry plane the normal lies in the plane: it is the mean with its mirror image, if they meet smoothly.
+  !> At nodes of a symmetry plane the normal lies in the plane: it is the mean with its mirror image, if they meet smoothly. Nodes
+  !! of an axisymmetric shell are held so by one displacement and the rotation in the plane.
   subroutine reflect_normals(structure)
     type(structure_type), intent(inout) :: structure
     logical :: is_held(6)
@@ -67,6 +67,7 @@ contains
         if (director%n_outer == 4) cycle
         is_held = structure%held_from(:, director%node) > 0
         do k = 1, 3
+          if (director%is_meridional) is_held(4:) = is_held(6) .and. .not. all(is_held(:2)) .and. [4, 5, 6] /= 3 + k
           if (.not. is_held(k) .or. any(is_held(4:) .eqv. [4, 5, 6] == 3 + k)) cycle   ! its symmetry: u_k and the other rotations
           associate (normal => director%axes(:, 1))
             if (2 * abs(normal(k)) > sin(SMOOTH_ANGLE)) cycle
@@ -134,10 +135,15 @@ contains
       own%section = structure%section(e)
       own%node = nodes
       own%n_outer = merge(4, 2, section%family == FAMILY_BEAM)
+      own%is_meridional = structure%kind(e) == KIND_SAX2
       do a = 1, size(own)
         allocate (own(a)%height(0:n_section_layers(section)), source=layer_heights(section))
       end do
-      if (section%family /= FAMILY_BEAM) call find_element_normals(mesh%coordinates(:, nodes), normals)
+      if (structure%kind(e) == KIND_SAX2) then
+        call find_meridian_normals(mesh%coordinates(:, nodes), normals)
+      else if (section%family /= FAMILY_BEAM) then
+        call find_element_normals(mesh%coordinates(:, nodes), normals)
+      end if
       do a = 1, size(own)
         own(a)%offset = section%offset
         own(a)%is_round = is_calculix .and. section%shape == SECTION_CIRC
@@ -176,13 +182,8 @@ contains
     integer, intent(in) :: a                     !< local node
     real(DP), intent(in) :: direction(3)         !< of the section
     real(DP), intent(in) :: given(3)             !< NORMAL; 0: none
-    real(DP) :: axes(3, 2), tangent(3), xi
-    if (size(x, 2) == 2) then
-      tangent = x(:, 2) - x(:, 1)
-    else
-      xi = real(a - 2, DP)
-      tangent = matmul(x, [xi - 0.5_DP, -2 * xi, xi + 0.5_DP])
-    end if
+    real(DP) :: axes(3, 2), tangent(3)
+    tangent = line_tangent(x, a)
     axes = 0
     if (.not. norm2(tangent) > 0) return
     tangent = tangent / norm2(tangent)
@@ -194,6 +195,41 @@ contains
       axes = 0
     end if
   end function beam_axes
+
+
+  !> The tangent of a line at one of its nodes, per natural coordinate.
+  pure function line_tangent(x, a) result(tangent)
+    real(DP), intent(in) :: x(:, :)              !< (3, 2 or 3) coordinates: end, (middle,) end [length]
+    integer, intent(in) :: a                     !< local node
+    real(DP) :: tangent(3), xi
+    if (size(x, 2) == 2) then
+      tangent = x(:, 2) - x(:, 1)
+    else
+      xi = real(a - 2, DP)
+      tangent = matmul(x, [xi - 0.5_DP, -2 * xi, xi + 0.5_DP])
+    end if
+  end function line_tangent
+
+
+  !> The unit normals of an axisymmetric shell at its nodes, to the left of its line; zero where it has none. On the axis of
+  !! revolution a fibre lies along it.
+  pure subroutine find_meridian_normals(x, normals)
+    real(DP), intent(in) :: x(:, :)              !< (3, 3) coordinates: end, middle, end; the first is the radius [length]
+    real(DP), intent(out) :: normals(:, :)       !< (3, 3)
+    real(DP) :: tangent(3)
+    integer :: a
+    normals = 0
+    do a = 1, size(x, 2)
+      tangent = line_tangent(x, a)
+      normals(:2, a) = [-tangent(2), tangent(1)]
+      if (abs(x(1, a)) <= TOL_FLAT * maxval(abs(x))) normals(1, a) = 0
+      if (norm2(normals(:, a)) > TOL_FLAT * norm2(tangent)) then
+        normals(:, a) = normals(:, a) / norm2(normals(:, a))
+      else
+        normals(:, a) = 0
+      end if
+    end do
+  end subroutine find_meridian_normals
 
 
   !> The unit normals of a surface of 3, 4, 6 or 8 nodes at its nodes; zero where it has none.

@@ -5,13 +5,15 @@
 !! |---|---|---|
 !! | S3, S4 | CSS6, CSS8; under the calculix dialect C3D6, C3D8I | bottom, top |
 !! | S6, S8 | C3D15, C3D20 | bottom, top; mid-sides below, above; middles of the corner fibres |
+!! | SAX1, SAX2 | 8 nodes in the plane, two places of points along it at five heights | bottom, top; the sides between them |
 !! | B31 | C3D8I | the axes below |
 !! | B32 | 20 nodes with points in the cross-section; under the calculix dialect C3D20 | the axes below |
 !!
 !! The first local axis of a beam's solid lies along the beam, the second against direction 2, the third along direction 1.
 !!
 !! A composite shell gives one solid for each layer. S4R is S4 under the abaqus dialect and gives C3D8R under that of calculix; S8R
-!! gives C3D20R. The faces: 1 is SNEG, 2 is SPOS, 2 + k is edge k of a shell.
+!! gives C3D20R. The faces: 1 is SNEG, 2 is SPOS, 2 + k is edge k of a shell; of an axisymmetric one 1 is SNEG, 3 is SPOS, 2 and 4
+!! are its second and first end.
 module amontons_expanded_elements
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, append_nodes, finalize_mesh
@@ -19,7 +21,7 @@ module amontons_expanded_elements
     SECTION_BOX
   use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_B31, KIND_B31R, KIND_B32, &
     KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, &
-    KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, FAMILY_BEAM
+    KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_SAX2, KIND_CAX_SHELL, FAMILY_BEAM
   implicit none
   private
   public :: expand_elements, expanded_kind
@@ -46,6 +48,9 @@ contains
           call set_beam_section(mesh, structure%sections(structure%section(e)), structure%kind(e), is_calculix, e)
           if (structure%directors(structure%director_of(from))%n_outer == 4) then
             solid = beam_nodes(structure%directors(structure%director_of(from:to)))
+          else if (mesh%kind(e) == KIND_CAX_SHELL) then
+            mesh%is_shell(e) = .true.
+            solid = meridian_nodes(structure%directors(structure%director_of(from:to)), mesh%layer(e))
           else
             mesh%is_shell(e) = .true.
             solid = shell_nodes(structure%directors(structure%director_of(from:to)), mesh%layer(e))
@@ -109,6 +114,8 @@ contains
       solid = KIND_C3D20
     case (KIND_S8R)
       solid = KIND_C3D20R
+    case (KIND_SAX2)                             ! SAX1 has got a middle node
+      solid = KIND_CAX_SHELL
     case default                                 ! not structural
       solid = kind
     end select
@@ -127,7 +134,7 @@ contains
       if (structure%section(e) == 0) cycle
       n_corners = quadratic_corners(structure%kind(e))
       associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1))
-        if (n_corners == 2) then                 ! a beam: end, middle, end
+        if (n_corners == 2) then                 ! a line: end, middle, end
           is_corner(of([1, 3])) = .true.
         else
           is_corner(of(:n_corners)) = .true.
@@ -161,7 +168,7 @@ contains
       n = 3
     case (KIND_S8, KIND_S8R)
       n = 4
-    case (KIND_B32, KIND_B32R)
+    case (KIND_B32, KIND_B32R, KIND_SAX2)
       n = 2
     case default                                 ! linear
       n = 0
@@ -212,17 +219,39 @@ contains
     type(director_type), intent(in) :: directors(:)   !< at its nodes
     integer, intent(in) :: layer                 !< from the bottom
     integer, allocatable :: nodes(:)
-    integer :: n, n_layers, below, above, middle, a
-    n_layers = ubound(directors(1)%height, 1)
-    below = merge(1, 1 + layer, layer == 1)
-    above = merge(2, 2 + layer, layer == n_layers)
-    middle = 1 + n_layers + layer
+    integer :: n, below, above, middle, a
+    call find_layer(directors(1), layer, below, above, middle)
     n = size(directors)
     if (n > 4) n = n / 2
     nodes = [(directors(a)%nodes(below), a=1, n), (directors(a)%nodes(above), a=1, n)]
     if (size(directors) > 4) nodes = [nodes, (directors(a)%nodes(below), a=n + 1, 2 * n), (directors(a)%nodes(above), a=n + 1, 2 &
       * n), (directors(a)%nodes(middle), a=1, n)]
   end function shell_nodes
+
+
+  !> The places of a layer among the nodes of a fibre.
+  pure subroutine find_layer(director, layer, below, above, middle)
+    type(director_type), intent(in) :: director
+    integer, intent(in) :: layer                 !< from the bottom
+    integer, intent(out) :: below, above, middle
+    integer :: n_layers
+    n_layers = ubound(director%height, 1)
+    below = merge(1, 1 + layer, layer == 1)
+    above = merge(2, 2 + layer, layer == n_layers)
+    middle = 1 + n_layers + layer
+  end subroutine find_layer
+
+
+  !> The nodes of the solid of a layer of an axisymmetric shell: the normal lies to the left of its line.
+  pure function meridian_nodes(directors, layer) result(nodes)
+    type(director_type), intent(in) :: directors(3)   !< at its nodes: end, middle, end
+    integer, intent(in) :: layer                 !< from the bottom
+    integer :: nodes(8), below, above, middle
+    call find_layer(directors(1), layer, below, above, middle)
+    associate (p => directors(1)%nodes, m => directors(2)%nodes, q => directors(3)%nodes)
+      nodes = [p(below), q(below), q(above), p(above), m(below), q(middle), m(above), p(middle)]
+    end associate
+  end function meridian_nodes
 
 
   !> The nodes of the solid of a beam with 2 or 3 nodes.

@@ -14,7 +14,7 @@ module amontons_knots
   use amontons_mesh, only: append_nodes
   use amontons_model, only: model_type, new_equation, DIALECT_CALCULIX
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_MEAN_ROTATION
-  use amontons_structural_data, only: structure_type, director_type, mean_weights
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, mean_weights
   use amontons_tensor, only: cross_product
   implicit none
   private
@@ -114,8 +114,8 @@ contains
   end subroutine create_rotation_nodes
 
 
-  !> The displacement of the node is the mean of those of its director. Where it is prescribed the inner nodes of the director are
-  !! held between the outer ones.
+  !> The displacement of the node is the mean of those of its director; that of an axisymmetric shell stays in the plane. Where it
+  !! is prescribed the inner nodes of the director are held between the outer ones.
   subroutine add_tie(model, director, equations, n)
     type(model_type), intent(in) :: model
     type(director_type), intent(in) :: director
@@ -129,7 +129,7 @@ contains
     weight = mean_weights(director, model%dialect == DIALECT_CALCULIX)
     is_used = abs(weight) > 0
     associate (section => model%structure%sections(director%section))
-      do k = 1, 3
+      do k = 1, merge(2, 3, director%is_meridional)
         n = n + 1
         equations(n) = new_equation([director%node, pack(director%nodes, is_used)], spread(k, 1, 1 + count(is_used)), &
           [1.0_DP, -pack(weight, is_used)], section%card, section%line)
@@ -217,18 +217,40 @@ contains
         end do
       end associate
       call hold_drill(model, directors, equations, n)
+      do i = 1, size(directors)
+        if (directors(i)%is_meridional .and. size(directors(i)%nodes) == 3) call hold_middle(directors(i), section, equations, n)
+      end do
     end associate
   end subroutine add_knot
 
 
-  !> Holds the rotation about fibres that are all parallel, until a step prescribes a rotation that has a part along them.
+  !> The middle of a fibre of an axisymmetric shell moves along the shell with the node where it lies; across the shell it is free,
+  !! because bending strains the thickness. Under an offset it is left to the stiffness.
+  subroutine hold_middle(director, section, equations, n)
+    type(director_type), intent(in) :: director
+    type(structural_section_type), intent(in) :: section
+    type(equation_type), intent(inout) :: equations(:)
+    integer, intent(inout) :: n                  !< number of equations
+    integer :: k(2)
+    real(DP) :: tangent(2)
+    if (abs(director%offset(1)) > 0) return
+    tangent = [director%axes(2, 1), -director%axes(1, 1)]
+    k = merge([1, 2], [2, 1], abs(tangent(1)) > abs(tangent(2)))   ! the largest term first: it is eliminated
+    n = n + 1
+    equations(n) = new_equation([director%nodes([3, 3]), director%node, director%node], [k, k], [tangent(k), -tangent(k)], &
+      section%card, section%line)
+  end subroutine hold_middle
+
+
+  !> Holds the rotation about fibres that are all parallel, until a step prescribes a rotation that has a part along them. Fibres
+  !! of axisymmetric shells turn in their plane alone.
   subroutine hold_drill(model, directors, equations, n)
     type(model_type), intent(in) :: model
     type(director_type), intent(in) :: directors(:)   !< of a knot
     type(equation_type), intent(inout) :: equations(:)
     integer, intent(inout) :: n                  !< number of equations
     integer :: i, k
-    if (any(directors%n_outer == 4)) return
+    if (any(directors%n_outer == 4 .or. directors%is_meridional)) return
     do i = 2, size(directors)
       if (norm2(cross_product(directors(1)%axes(:, 1), directors(i)%axes(:, 1))) > TOL_PARALLEL) return
     end do

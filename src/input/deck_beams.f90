@@ -1,4 +1,4 @@
-!> BEAM SECTION, BEAM GENERAL SECTION; beams of two nodes that need a middle one, beams in the plane.
+!> BEAM SECTION, BEAM GENERAL SECTION; lines of two nodes that need a middle one, beams and shells in the plane.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_beams
   use amontons_kinds, only: DP
@@ -11,7 +11,7 @@ module amontons_deck_beams
   use amontons_structural_data, only: structural_section_type, structure_type, SECTION_RECT, SECTION_CIRC, SECTION_PIPE, &
     SECTION_BOX
   use amontons_text, only: parse_real, name_key, NUMBER_OK
-  use amontons_element_kinds, only: FAMILY_BEAM, KIND_B31, KIND_B31R, KIND_B32
+  use amontons_element_kinds, only: FAMILY_BEAM, KIND_B31, KIND_B31R, KIND_B32, KIND_SAX1, KIND_SAX2
   implicit none
   private
   public :: read_beam_section, read_general_material, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
@@ -163,7 +163,7 @@ contains
 
 
   !> Beams of two nodes with another section than RECT become beams of three nodes, with a new node between them: the points of
-  !! these sections belong to solids of 20 nodes.
+  !! these sections belong to solids of 20 nodes. So do axisymmetric shells, whose solid has eight nodes.
   subroutine add_middle_nodes(mesh, structure)
     type(mesh_type), intent(inout) :: mesh       !< not yet expanded
     type(structure_type), intent(in) :: structure   !< with the sections of the elements
@@ -174,22 +174,23 @@ contains
     is_changed = .false.
     do e = 1, mesh%n_elements
       if (structure%section(e) == 0) cycle
-      is_changed(e) = (mesh%kind(e) == KIND_B31 .or. mesh%kind(e) == KIND_B31R) .and. &
-        structure%sections(structure%section(e))%shape /= SECTION_RECT
+      is_changed(e) = mesh%kind(e) == KIND_SAX1 .or. ((mesh%kind(e) == KIND_B31 .or. mesh%kind(e) == KIND_B31R) .and. &
+        structure%sections(structure%section(e))%shape /= SECTION_RECT)
     end do
     if (.not. any(is_changed)) return
     n = mesh%n_nodes
-    allocate (first(mesh%n_elements + 1), nodes(size(mesh%nodes) + count(is_changed)), x(3, count(is_changed)))
+    allocate (first(mesh%n_elements + 1), nodes(size(mesh%nodes) + count(is_changed)))
+    allocate (x(3, count(is_changed .and. mesh%layer == 1)))
     first(1) = 1
     m = 0
     do e = 1, mesh%n_elements
       associate (ends => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
         first(e + 1) = first(e) + size(ends) + merge(1, 0, is_changed(e))
         if (is_changed(e)) then
-          m = m + 1
+          if (mesh%layer(e) == 1) m = m + 1      ! the other layers of an element have the same nodes
           x(:, m) = 0.5_DP * (mesh%coordinates(:, ends(1)) + mesh%coordinates(:, ends(2)))
           nodes(first(e):first(e + 1) - 1) = [ends(1), n + m, ends(2)]
-          mesh%kind(e) = KIND_B32
+          mesh%kind(e) = merge(KIND_SAX2, KIND_B32, mesh%kind(e) == KIND_SAX1)
         else
           nodes(first(e):first(e + 1) - 1) = ends
         end if
@@ -201,16 +202,22 @@ contains
   end subroutine add_middle_nodes
 
 
-  !> Beams in the plane: their nodes keep the third displacement and the rotations about axes of the plane.
+  !> Beams in the plane and axisymmetric shells: their nodes keep the third displacement and the rotations about axes of the plane.
+  !! Every node of a beam is turned for this.
   subroutine mark_plane_beams(mesh, structure)
     type(mesh_type), intent(inout) :: mesh       !< not yet expanded; out: these beams are no trusses in the plane
     type(structure_type), intent(inout) :: structure   !< out: their nodes are turned and held
+    logical :: is_meridian(mesh%n_nodes)
     integer :: e
     allocate (structure%is_plane(mesh%n_nodes), source=.false.)
+    is_meridian = .false.
     do e = 1, mesh%n_elements
-      if (structure%section(e) == 0 .or. .not. mesh%is_in_plane(e)) cycle
+      if (structure%section(e) == 0) cycle
+      associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+        if (mesh%kind(e) == KIND_SAX2) is_meridian(nodes) = .true.
+        if (mesh%is_in_plane(e)) structure%is_plane(nodes) = .true.
+      end associate
       mesh%is_in_plane(e) = .false.
-      structure%is_plane(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
     end do
     where (structure%is_plane)
       structure%is_turned = .true.
@@ -218,16 +225,18 @@ contains
       structure%held_from(4, :) = 1
       structure%held_from(5, :) = 1
     end where
+    structure%is_plane = structure%is_plane .or. is_meridian
   end subroutine mark_plane_beams
 
 
-  !> Holds the nodes of beams in the plane, once the rotation nodes exist.
+  !> Holds the nodes of beams in the plane and of axisymmetric shells, once the rotation nodes exist.
   subroutine hold_plane_beams(model)
     type(model_type), intent(inout) :: model     !< expanded
     integer :: i, k
     do i = 1, size(model%structure%is_plane)
       if (.not. model%structure%is_plane(i)) cycle
       call append_equation(model, [i], [3], [1.0_DP], 'BEAM SECTION', 0)
+      if (model%rotation_of(i) == 0) cycle
       do k = 1, 2
         call append_equation(model, [model%rotation_of(i)], [k], [1.0_DP], 'BEAM SECTION', 0)
       end do

@@ -286,7 +286,7 @@ contains
       taken = type(:len(type) - len_trim(ENDINGS(i)))
     end do
     kind = element_kind_by_name(taken)
-    if (reader%dialect == DIALECT_CALCULIX .and. is_one_of(type, RIGID_TYPES)) kind = 0   ! CalculiX has none
+    if (reader%dialect == DIALECT_CALCULIX .and. is_one_of(type, RIGID_TYPES // '|SAX1|SAX2')) kind = 0   ! CalculiX has none
     if (kind == 0) return
     if (taken /= type .and. .not. is_one_of(type(:min(3, len(type))), 'T2D|R3D|B21|B22')) call report_note(reader, &
       reader%cards%cards(c)%line, 'The elements ' // type // ' are taken as ' // taken // '.')
@@ -743,8 +743,8 @@ contains
       if (any(reader%bad_user_kinds == user_kind_number(type) .or. reader%bad_user_kinds == 0)) return
     end if
     advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
-      '6, 8, 8R; S3, S4, S4R, S6, S8, S8R; M3D3 to M3D8R; B21 to B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, R2D2, RAX2; ' // &
-      'SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
+      '6, 8, 8R; S3, S4, S4R, S6, S8, S8R, SAX1, SAX2; M3D3 to M3D8R; B21 to B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, ' // &
+      'R2D2, RAX2; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
     if (begins_with(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
     if (begins_with(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
     if (begins_with(type, 'C3D10')) advice = 'Use C3D10.'
@@ -756,6 +756,7 @@ contains
       // '8 or 8R nodes: CPE4, CPE8R and so on.'
     if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the membranes M3D3, M3D4, M3D4R, M3D6, ' // &
       'M3D8, M3D8R, the beams B21, B22, B31, B31R, B32, B32R.'
+    if (begins_with(type, 'SAX')) advice = 'The axisymmetric shells are SAX1 and SAX2, in the abaqus dialect (CalculiX has none).'
     if (begins_with(type, 'R')) advice = 'Rigid tools are R3D3, R3D4, in the plane R2D2, RAX2 (abaqus ' // &
       'dialect), or solids in a *RIGID BODY; or *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
     if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
@@ -783,7 +784,7 @@ contains
     character(5), parameter :: BEGINNINGS(8) = [character(5) :: 'B2', 'B3', 'M3D', 'R3D', 'R2D', 'STRI', 'SFM3D', 'SC']
     integer :: i
     is_so = any([(begins_with(type, trim(BEGINNINGS(i))), i=1, size(BEGINNINGS))])
-    if (.not. is_so .and. len(type) >= 2) is_so = type(1:1) == 'S' .and. scan(type(2:2), '3468') == 1
+    if (.not. is_so .and. len(type) >= 2) is_so = type(1:1) == 'S' .and. scan(type(2:2), '3468A') == 1
   end function is_structural
 
 

@@ -15,11 +15,11 @@ module amontons_deck_structure
   use amontons_structural_data, only: structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, parse_integer, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
-    FAMILY_RIGID, is_two_sided, is_structural_family
+    KIND_SAX1, KIND_SAX2, KIND_CAX_SHELL, FAMILY_RIGID, is_two_sided, is_structural_family
   implicit none
   private
-  public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, spread_temperature, &
-    refine_thin_shells, OTHER_LAYER
+  public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, is_shell_edge, &
+    spread_temperature, refine_thin_shells, OTHER_LAYER
 
   integer, parameter :: OTHER_LAYER = -1         !< the face belongs to another layer of the shell
 
@@ -175,6 +175,7 @@ contains
     type(element_draft_type), intent(inout) :: draft
     type(element_kind_type) :: entry
     integer :: i, e, family
+    logical :: is_ok
     family = model%structure%sections(size(model%structure%sections))%family
     do i = 1, size(model%mesh%element_sets(set)%members)
       e = model%mesh%element_sets(set)%members(i)
@@ -184,6 +185,11 @@ contains
       draft%n_layers(e) = n_section_layers(model%structure%sections(draft%section(e)))
       if (draft%kind(e) == 0) cycle
       entry = element_kind(draft%kind(e))
+      if (draft%kind(e) == KIND_SAX1 .or. draft%kind(e) == KIND_SAX2) then
+        call check_meridian_axes(reader, reader%cards%cards(c)%line, model%structure%sections(size(model%structure%sections)), &
+          is_ok)
+        if (.not. is_ok) return
+      end if
       if (entry%family == family) then
         if (draft%n_layers(e) == 1 .or. reader%dialect /= DIALECT_CALCULIX) cycle
         if (draft%kind(e) == KIND_S6 .or. draft%kind(e) == KIND_S8R) cycle
@@ -199,6 +205,26 @@ contains
       return
     end do
   end subroutine assign_section
+
+
+  !> Axes of axisymmetric shells: direction 1 follows the line, layers lie along or across it.
+  subroutine check_meridian_axes(reader, line, section, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< of the section
+    type(structural_section_type), intent(in) :: section
+    logical, intent(out) :: is_ok
+    real(DP), parameter :: TOL_RIGHT_ANGLE = 1.0e-9_DP   !< of a multiple of the right angle [-]
+    integer :: l
+    is_ok = .true.
+    if (allocated(section%orientation)) is_ok = section%orientation == ''
+    do l = 1, n_section_layers(section)
+      if (.not. allocated(section%layers)) exit
+      if (allocated(section%layers(l)%orientation)) is_ok = is_ok .and. section%layers(l)%orientation == ''
+      is_ok = is_ok .and. abs(sin(2 * section%layers(l)%angle)) <= TOL_RIGHT_ANGLE
+    end do
+    if (.not. is_ok) call report_error(reader, line, 'Direction 1 of SAX1 and SAX2 follows their line, direction 2 the ' // &
+      'circle: leave ORIENTATION out; the angles of layers are multiples of 90.')
+  end subroutine check_meridian_axes
 
 
   !> SHELL SECTION: thickness and number of points, which are those of the solids here.
@@ -277,7 +303,7 @@ contains
     type(model_type), intent(inout) :: model
     type(element_draft_type), intent(in) :: draft
     type(element_kind_type) :: entry
-    integer :: e, bad_element
+    integer :: e, bad_element, n_given
     if (.not. allocated(model%structure)) return
     associate (structure => model%structure, mesh => model%mesh)
       allocate (structure%section(mesh%n_elements), source=0)
@@ -296,11 +322,12 @@ contains
         if (is_structural_family(entry%family) .and. structure%section(e) == 0) return   ! without a section: its error is reported
       end do
       if (any(mesh%nodes < 1)) return            ! so are those of missing nodes
+      n_given = mesh%n_nodes
       call add_middle_nodes(mesh, structure)
       structure%kind = mesh%kind
       structure%first = mesh%first
       structure%nodes = mesh%nodes
-      call read_nodal_thickness(reader, model)
+      call read_nodal_thickness(reader, n_given, model)
       call read_normals(reader, model)
       call find_turned_nodes(reader, model)
       call mark_plane_beams(mesh, structure)
@@ -448,9 +475,10 @@ contains
   end subroutine free_slave_nodes
 
 
-  !> NODAL THICKNESS: node or set, thickness, of beams the second too.
-  subroutine read_nodal_thickness(reader, model)
+  !> NODAL THICKNESS: node or set, thickness, of beams the second too. Middle nodes that the reader adds have the mean of the ends.
+  subroutine read_nodal_thickness(reader, n_given, model)
     type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: n_given               !< nodes of the deck; those behind are such middle nodes
     type(model_type), intent(inout) :: model
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
@@ -477,6 +505,7 @@ contains
       associate (section => model%structure%sections(model%structure%section(e)))
         if (.not. section%has_nodal_thickness) cycle
         do i = model%mesh%first(e), model%mesh%first(e + 1) - 1
+          if (model%mesh%nodes(i) > n_given) cycle
           associate (given => model%structure%nodal_thickness(:, model%mesh%nodes(i)))
             if (given(1) > 0) cycle
             given = section%thickness            ! the thickness of the section where there is no other
@@ -486,6 +515,10 @@ contains
           call report_error(reader, 0, 'The node ' // to_text(model%mesh%node_label(model%mesh%nodes(i))) // ' has no ' // &
             'thickness: neither *NODAL THICKNESS nor the section gives one.')
         end do
+        associate (nodes => model%mesh%nodes(model%mesh%first(e):model%mesh%first(e + 1) - 1), thickness => &
+          model%structure%nodal_thickness)
+          if (any(nodes > n_given)) thickness(:, nodes(2)) = 0.5_DP * (thickness(:, nodes(1)) + thickness(:, nodes(3)))
+        end associate
       end associate
     end do
   end subroutine read_nodal_thickness
@@ -611,13 +644,15 @@ contains
 
 
   !> The face of the solid of a shell that a label names: P the side from which a positive pressure acts along the normal, SNEG,
-  !! SPOS, En and EDNORn edge n, Sn under the calculix dialect; 0: it names none; OTHER_LAYER: one of another layer.
+  !! SPOS, En and EDNORn edge n, Sn under the calculix dialect; 0: it names none; OTHER_LAYER: one of another layer. Axisymmetric
+  !! shells have no edges.
   pure integer function structural_face(model, e, label) result(face)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                     !< element, a shell or a membrane
     character(*), intent(in) :: label            !< squeezed
-    integer :: n_faces, n_layers
+    integer :: n_faces, n_layers, top
     type(element_kind_type) :: entry
+    top = merge(3, 2, model%mesh%kind(e) == KIND_CAX_SHELL)
     entry = element_kind(model%mesh%kind(e))
     n_faces = entry%n_faces
     face = 0
@@ -625,9 +660,9 @@ contains
     case ('P', 'PNU', 'SNEG')
       face = 1
     case ('SPOS')
-      face = 2
+      face = top
     case ('E1', 'E2', 'E3', 'E4', 'EDNOR1', 'EDNOR2', 'EDNOR3', 'EDNOR4')
-      face = 2 + iachar(label(len(label):)) - iachar('0')
+      if (top == 2) face = 2 + iachar(label(len(label):)) - iachar('0')
     case ('S1', 'S2', 'S3', 'S4', 'S5', 'S6')
       if (model%dialect == DIALECT_CALCULIX) face = iachar(label(2:)) - iachar('0')
     end select
@@ -635,8 +670,18 @@ contains
     if (is_two_sided(model%mesh%kind(e))) return
     n_layers = n_section_layers(model%structure%sections(model%structure%section(e)))
     if (face == 1 .and. model%mesh%layer(e) > 1) face = OTHER_LAYER
-    if (face == 2 .and. model%mesh%layer(e) < n_layers) face = OTHER_LAYER
+    if (face == top .and. model%mesh%layer(e) < n_layers) face = OTHER_LAYER
   end function structural_face
+
+
+  !> Whether a face of the mesh is the edge of a shell, neither SNEG nor SPOS.
+  pure logical function is_shell_edge(model, e, face)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e, face               !< element, face of its solid
+    is_shell_edge = .false.
+    if (.not. is_shell(model, e)) return
+    is_shell_edge = face > 1 .and. face /= merge(3, 2, model%mesh%kind(e) == KIND_CAX_SHELL)
+  end function is_shell_edge
 
 
   !> The temperatures of nodes and of those into which they expand, from the value at the node and its gradients.

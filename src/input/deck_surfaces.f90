@@ -7,7 +7,7 @@ module amontons_deck_surfaces
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     read_user_constants, nodes_of_field, elements_of_field, is_card, check_name
   use amontons_deck_analytic_surfaces, only: read_profile, is_analytic_type
-  use amontons_deck_structure, only: is_shell, structural_face, OTHER_LAYER
+  use amontons_deck_structure, only: is_shell, is_shell_edge, structural_face, OTHER_LAYER
   use amontons_deck_faces, only: node_elements_type, find_free_faces, find_omitted_faces, count_shared_faces
   use amontons_loads, only: amplitude_type, equation_type, equation_list_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, &
     AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
@@ -552,7 +552,7 @@ contains
     if (n_without > 0) is_ok = .false.
     do i = 1, size(element)
       if (stamp(6 * element(i) - 6 + face(i)) == -c) cycle
-      if (face(i) > 2 .and. is_shell(model, element(i))) cycle   ! both sides, not the edges
+      if (is_shell_edge(model, element(i), face(i))) cycle   ! both sides, not the edges
       stamp(6 * element(i) - 6 + face(i)) = -c
       call elements%add(element(i))
       call faces%add(face(i))

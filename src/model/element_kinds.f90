@@ -11,10 +11,10 @@ module amontons_element_kinds
   public :: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
-  public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R
+  public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CAX_SHELL
   public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS, KIND_R2D2, KIND_RAX2, KIND_USER
   public :: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D6, KIND_M3D8R, &
-    KIND_B31, KIND_B31R, KIND_B32, KIND_B32R
+    KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_SAX1, KIND_SAX2
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
     FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, FAMILY_USER, is_structural_family, &
@@ -59,32 +59,35 @@ module amontons_element_kinds
   integer, parameter :: KIND_CAX6 = 34
   integer, parameter :: KIND_CAX8 = 35
   integer, parameter :: KIND_CAX8R = 36
-  integer, parameter :: KIND_M3D3 = 37        !< membranes in space: triangle, 1 point
-  integer, parameter :: KIND_M3D6 = 40        !< 38: M3D4, 39: M3D4R, both with 4 points; 40: quadratic triangle, 3 points
-  integer, parameter :: KIND_M3D8R = 42       !< 41: M3D8, 9 points; 42: the same, 4 points
-  integer, parameter :: KIND_T3D2 = 43        !< straight truss, 1 point
-  integer, parameter :: KIND_T3D3 = 44        !< curved truss, 2 points; here the nodes are the ends, then the middle
-  integer, parameter :: KIND_SPRINGA = 45     !< spring along the line between two nodes
-  integer, parameter :: KIND_SPRING1 = 46     !< spring between a node and the ground, in one direction
-  integer, parameter :: KIND_SPRING2 = 47     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_GAPUNI = 48      !< gap between two nodes, in one direction
-  integer, parameter :: KIND_MASS = 49        !< point mass
-  integer, parameter :: KIND_R2D2 = 50        !< rigid edge in the plane: a face on both sides, no stiffness
-  integer, parameter :: KIND_RAX2 = 51        !< the same of a body of revolution
-  integer, parameter :: KIND_USER = 52        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
-  integer, parameter :: N_KINDS = 52
+  integer, parameter :: KIND_CAX_SHELL = 37   !< of a shell: two places along it, five heights
+  integer, parameter :: KIND_M3D3 = 38        !< membranes in space: triangle, 1 point
+  integer, parameter :: KIND_M3D6 = 41        !< 39: M3D4, 40: M3D4R, both with 4 points; 41: quadratic triangle, 3 points
+  integer, parameter :: KIND_M3D8R = 43       !< 42: M3D8, 9 points; 43: the same, 4 points
+  integer, parameter :: KIND_T3D2 = 44        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 45        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 46     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 47     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 48     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_GAPUNI = 49      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 50        !< point mass
+  integer, parameter :: KIND_R2D2 = 51        !< rigid edge in the plane: a face on both sides, no stiffness
+  integer, parameter :: KIND_RAX2 = 52        !< the same of a body of revolution
+  integer, parameter :: KIND_USER = 53        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
+  integer, parameter :: N_KINDS = 53
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 53          !< shells
-  integer, parameter :: KIND_S4 = 54
-  integer, parameter :: KIND_S4R = 55
-  integer, parameter :: KIND_S6 = 56
-  integer, parameter :: KIND_S8 = 57
-  integer, parameter :: KIND_S8R = 58
-  integer, parameter :: KIND_B31 = 59         !< beams
-  integer, parameter :: KIND_B31R = 60
-  integer, parameter :: KIND_B32 = 61         !< end, middle, end
-  integer, parameter :: KIND_B32R = 62
-  integer, parameter :: N_DECK_KINDS = 62
+  integer, parameter :: KIND_S3 = 54          !< shells
+  integer, parameter :: KIND_S4 = 55
+  integer, parameter :: KIND_S4R = 56
+  integer, parameter :: KIND_S6 = 57
+  integer, parameter :: KIND_S8 = 58
+  integer, parameter :: KIND_S8R = 59
+  integer, parameter :: KIND_B31 = 60         !< beams
+  integer, parameter :: KIND_B31R = 61
+  integer, parameter :: KIND_B32 = 62         !< end, middle, end
+  integer, parameter :: KIND_B32R = 63
+  integer, parameter :: KIND_SAX1 = 64        !< axisymmetric shells
+  integer, parameter :: KIND_SAX2 = 65        !< end, middle, end
+  integer, parameter :: N_DECK_KINDS = 65
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
@@ -165,6 +168,10 @@ contains
       entry = plane_kind('CPE', FAMILY_PLANE_STRAIN, kind - KIND_CPE3)
     case (KIND_CAX3:KIND_CAX8R)
       entry = plane_kind('CAX', FAMILY_AXISYMMETRIC, kind - KIND_CAX3)
+    case (KIND_CAX_SHELL)                     ! no deck can name it
+      entry = plane_kind('CAX', FAMILY_AXISYMMETRIC, KIND_CAX8 - KIND_CAX3)
+      entry%name = 'axiShell'
+      entry%n_points = 10
     case (KIND_T3D2)
       entry = element_kind_type(name='T3D2', family=FAMILY_TRUSS, n_nodes=2, n_points=1, vtk_type=3)
     case (KIND_T3D3)
@@ -191,6 +198,10 @@ contains
     case (KIND_M3D3:KIND_M3D8R)
       entry = surface_kind('M3D', FAMILY_MEMBRANE, kind - KIND_M3D3)
       call set_sides(kind - KIND_M3D3, entry)
+    case (KIND_SAX1)
+      entry = element_kind_type(name='SAX1', family=FAMILY_SHELL, n_nodes=2, vtk_type=3)
+    case (KIND_SAX2)
+      entry = element_kind_type(name='SAX2', family=FAMILY_SHELL, n_nodes=3, vtk_type=21)
     case (KIND_B31)
       entry = element_kind_type(name='B31', family=FAMILY_BEAM, n_nodes=2, vtk_type=3)
     case (KIND_B31R)

@@ -51,6 +51,7 @@ module amontons_structural_data
     real(DP) :: thickness(2) = 0             !< along them [length]
     real(DP) :: offset(2) = 0                !< of the node over the thickness from the middle, along them [-]
     integer :: section = 0                   !< of the first element that has it
+    logical :: is_meridional = .false.       !< the fibre of an axisymmetric shell: it stays in the plane
     logical :: is_round = .false.            !< the corners of the cross-section lie on an ellipse through the middles of its sides
   end type director_type
 
@@ -65,7 +66,7 @@ module amontons_structural_data
     real(DP), allocatable :: given_normal(:, :)      !< (3, size(nodes)) NORMAL, unit vectors; 0: not given
     logical, allocatable :: is_turned(:)         !< (n_nodes) rotations or moments are prescribed there
     logical, allocatable :: is_follower(:)       !< (n_nodes) a force turns with it, which takes finite rotations
-    logical, allocatable :: is_plane(:)          !< (n_nodes) of a beam in the plane
+    logical, allocatable :: is_plane(:)          !< (n_nodes) of a beam in the plane or of an axisymmetric shell
     integer, allocatable :: held_from(:, :)      !< (6, n_nodes) first step that prescribes the degree of freedom; 0: none does
     integer :: n_deck_nodes = 0                  !< nodes before expansion
     ! The expansion:
@@ -165,13 +166,13 @@ contains
 
 
   !> The shares of the nodes of a director in a force at its node: as in the displacement, but a fibre with one middle takes that of
-  !! an edge of a quadratic face under an even traction, as in CalculiX.
+  !! an edge of a quadratic face under an even traction, as in CalculiX; not that of an axisymmetric shell.
   pure function force_weights(director, is_calculix) result(weight)
     type(director_type), intent(in) :: director
     logical, intent(in) :: is_calculix           !< dialect
     real(DP) :: weight(size(director%nodes))
     weight = mean_weights(director, is_calculix)
-    if (director%n_outer == 4 .or. n_director_layers(director) > 1 .or. size(weight) < 3) return
+    if (director%n_outer == 4 .or. n_director_layers(director) > 1 .or. size(weight) < 3 .or. director%is_meridional) return
     if (abs(weight(3)) > 0) weight = [-0.5_DP, -0.5_DP, 2.0_DP]
   end function force_weights
 

@@ -12,8 +12,8 @@
 module amontons_section_forces
   use amontons_kinds, only: DP, PI
   use amontons_element, only: evaluate_point_volumes
-  use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FAMILY_SHELL, MAX_ELEMENT_NODES, &
-    MAX_ELEMENT_POINTS, MAX_FACE_NODES
+  use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FAMILY_SHELL, KIND_SAX2, &
+    MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
   use amontons_material_point, only: evaluate_orientation
   use amontons_materials, only: orientation_type
   use amontons_mesh, only: element_nodes, wall_ratios
@@ -46,7 +46,9 @@ contains
       associate (s => model%structure%section(e))
         if (s == 0) cycle
         if (model%mesh%layer(e) > 1 .or. is_out(model, fields%step, e)) cycle
-        if (model%structure%sections(s)%family == FAMILY_SHELL) then
+        if (model%structure%kind(e) == KIND_SAX2) then
+          call sum_meridian(model, fields, x, e, n_section_layers(model%structure%sections(s)), forces(:, e))
+        else if (model%structure%sections(s)%family == FAMILY_SHELL) then
           call sum_shell(model, fields, x, e, n_section_layers(model%structure%sections(s)), forces(:, e))
         else
           call sum_beam(model, fields, x, e, forces(:, e))
@@ -141,6 +143,65 @@ contains
   end function shell_area
 
 
+  !> The section forces of an axisymmetric shell of n_layers elements, the first of which is e: axis 1 along its line, 2 round the
+  !! circle.
+  subroutine sum_meridian(model, fields, x, e, n_layers, forces)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    integer, intent(in) :: e, n_layers
+    real(DP), intent(inout) :: forces(:)           !< in: zero
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), volumes(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), &
+      dN(3, MAX_ELEMENT_NODES), axes(3, 3), origin(3), s(3, 3), z, area, speed
+    integer :: l, p, m, status, n_nodes, nodes(MAX_ELEMENT_NODES)
+    associate (mesh => model%mesh, own => model%structure%nodes(model%structure%first(e):model%structure%first(e + 1) - 1))
+      area = 0
+      do l = e, e + n_layers - 1
+        call element_nodes(mesh, l, n_nodes, nodes)
+        call quadrature(mesh%kind(l), m, xi, w)
+        call evaluate_point_volumes(mesh%kind(l), x(:, nodes(:n_nodes)), mesh%section_value(l), m, volumes, status)
+        do p = 1, m
+          call find_meridian_axes(x(:, own), xi(1, p), axes, origin, speed)
+          call shape_functions(mesh%kind(l), xi(:, p), N, dN)
+          z = dot_product(axes(:, 3), matmul(x(:, nodes(:n_nodes)), N(:n_nodes)) - origin)
+          s = matmul(transpose(axes), matmul(unpack_voigt(fields%stress(:, mesh%point_first(l) + p - 1)), axes))
+          forces = forces + volumes(p) * [s(1, 1), s(2, 2), s(1, 2), s(1, 3), s(2, 3), s(3, 3), z * s(1, 1), z * s(2, 2), &
+            z * s(1, 2)]
+          if (l == e) area = area + 0.5_DP * w(p) * speed * 2 * PI * origin(1)   ! the weights over the thickness add up to 2
+        end do
+      end do
+      forces = forces / area
+    end associate
+  end subroutine sum_meridian
+
+
+  !> Tangent, direction of the circle and normal of the line of an axisymmetric shell at a natural coordinate, and this place.
+  pure subroutine find_meridian_axes(x, xi, axes, place, speed)
+    real(DP), intent(in) :: x(:, :)                !< (3, 3) end, middle, end [length]
+    real(DP), intent(in) :: xi                     !< -1 to 1
+    real(DP), intent(out) :: axes(3, 3)            !< in columns
+    real(DP), intent(out) :: place(3)              !< [length]
+    real(DP), intent(out) :: speed                 !< length per natural coordinate [length]
+    real(DP) :: N(3), dN(3)
+    call line_shapes(xi, N, dN)
+    place = matmul(x, N)
+    axes(:, 1) = matmul(x, dN)
+    speed = norm2(axes(:, 1))
+    axes(:, 1) = axes(:, 1) / speed
+    axes(:, 2) = [0.0_DP, 0.0_DP, -1.0_DP]
+    axes(:, 3) = cross_product(axes(:, 1), axes(:, 2))
+  end subroutine find_meridian_axes
+
+
+  !> The shape functions of a line with the nodes end, middle, end and their derivatives.
+  pure subroutine line_shapes(xi, N, dN)
+    real(DP), intent(in) :: xi                     !< -1 to 1
+    real(DP), intent(out) :: N(3), dN(3)
+    N = [0.5_DP * xi * (xi - 1), 1 - xi**2, 0.5_DP * xi * (xi + 1)]
+    dN = [xi - 0.5_DP, -2 * xi, xi + 0.5_DP]
+  end subroutine line_shapes
+
+
   !> The section forces of a beam.
   subroutine sum_beam(model, fields, x, e, forces)
     type(model_type), intent(in) :: model
@@ -193,9 +254,8 @@ contains
         if (m == 2) then
           N(:2) = 0.5_DP * [1 - xi, 1 + xi]
           dN(:2) = [-0.5_DP, 0.5_DP]
-        else                                       ! end, middle, end
-          N = [0.5_DP * xi * (xi - 1), 1 - xi**2, 0.5_DP * xi * (xi + 1)]
-          dN = [xi - 0.5_DP, -2 * xi, xi + 0.5_DP]
+        else
+          call line_shapes(xi, N, dN)
         end if
         place = matmul(x(:, own), N(:m))
         tangent = matmul(x(:, own), dN(:m))

@@ -4,7 +4,7 @@ module amontons_state
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_material_point, only: elastic_strain_from_stress, evaluate_orientation
-  use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
+  use amontons_materials, only: material_type, orientation_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
   use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
@@ -14,7 +14,8 @@ module amontons_state
   use amontons_steps, only: step_type
   use amontons_user_elements, only: n_user_memory
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
-  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, is_membrane, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_CAX_SHELL, is_membrane, MAX_ELEMENT_NODES, &
+    MAX_ELEMENT_POINTS
   implicit none
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
@@ -187,6 +188,7 @@ contains
     real(DP), allocatable, intent(out) :: frame(:, :, :)
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
       normal(3)                                       ! of the first two natural directions: that of a shell
+    type(orientation_type) :: orientation
     integer :: e, k, p, n_rule, n_nodes, nodes(MAX_ELEMENT_NODES)
     allocate (frame(3, 3, model%mesh%n_points), source=spread(IDENTITY, 3, model%mesh%n_points))
     do e = 1, model%mesh%n_elements
@@ -198,9 +200,15 @@ contains
         call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
         associate (X => model%mesh%coordinates(:, nodes(:n_nodes)))
           normal = 0
-          if (model%orientations(k)%is_projected) normal = unit_normal(matmul(X, dN(1, :n_nodes)), matmul(X, dN(2, :n_nodes)))
-          frame(:, :, model%mesh%point_first(e) + p - 1) = evaluate_orientation(model%orientations(k), &
-            matmul(X, N(:n_nodes)), normal)
+          orientation = model%orientations(k)
+          if (model%mesh%kind(e) == KIND_CAX_SHELL .and. orientation%is_projected) then   ! along the line, round the circle
+            orientation%a = matmul(X, dN(1, :n_nodes))
+            orientation%b = [0.0_DP, 0.0_DP, -1.0_DP]
+            normal = unit_normal(orientation%a, orientation%b)
+          else if (orientation%is_projected) then
+            normal = unit_normal(matmul(X, dN(1, :n_nodes)), matmul(X, dN(2, :n_nodes)))
+          end if
+          frame(:, :, model%mesh%point_first(e) + p - 1) = evaluate_orientation(orientation, matmul(X, N(:n_nodes)), normal)
         end associate
       end do
     end do

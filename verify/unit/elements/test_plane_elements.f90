@@ -8,7 +8,7 @@ program test_plane_elements
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_shape_functions, only: node_coordinates, shape_functions
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_CPS3, KIND_CPS4, KIND_CPE4, KIND_CPE4_FULL, &
-    KIND_CAX3, KIND_CAX4, KIND_CAX4R, KIND_CAX8R, KIND_CPS8R, KIND_CPE8R, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
+    KIND_CAX3, KIND_CAX4, KIND_CAX4R, KIND_CAX_SHELL, KIND_CPS8R, KIND_CPE8R, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
     FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FACET_LINE2, FACET_LINE3
   use check, only: suite_type
   implicit none
@@ -22,7 +22,7 @@ program test_plane_elements
   call random_seed(put=[(15485863 + 7919 * i, i=1, n)])
   material%youngs_modulus = 210000
   material%poissons_ratio = 0.3_DP
-  do kind = KIND_CPS3, KIND_CAX8R
+  do kind = KIND_CPS3, KIND_CAX_SHELL
     do law = LAW_HENCKY, LAW_SAINT_VENANT
       material%law = law
       call check_patch(kind, .true.)

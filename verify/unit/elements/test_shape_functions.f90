@@ -155,6 +155,8 @@ contains
     integer, intent(in) :: i, j
     if (is_triangle(entry)) then
       is_exact = i + j <= merge(1, 2, entry%n_points == 1)
+    else if (entry%n_points == 10) then            ! two places by Gauss, five heights by Simpson
+      is_exact = max(i, j) <= 3
     else
       is_exact = max(i, j) <= 2 * nint(sqrt(real(entry%n_points, DP))) - 1
     end if
