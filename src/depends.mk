@@ -49,7 +49,7 @@ uses_mpc_data = kinds tensor
 uses_steps = kinds controls loads surfaces
 uses_structural_data = kinds
 uses_user_elements = kinds
-uses_model = kinds loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data user_elements
+uses_model = kinds containers loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data user_elements
 
 # materials
 uses_plasticity = kinds scalar_root materials
@@ -93,7 +93,7 @@ uses_deck_user_elements = kinds text containers element_kinds mesh steps user_el
 uses_deck_mesh = kinds text containers element_kinds materials mesh user_elements model cards card_schema element_drafts deck_labels deck_reader deck_user_elements
 uses_deck_property_tables = kinds text materials model cards card_schema deck_reader
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables
-uses_deck_beams = kinds text element_kinds mesh structural_data model cards card_schema deck_reader deck_materials
+uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
 uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams
 uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
@@ -102,7 +102,7 @@ uses_deck_surfaces = kinds text containers element_kinds loads user_routines mes
 uses_deck_contact = kinds text element_kinds mesh surfaces steps model cards card_schema deck_reader deck_surfaces
 uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader
 uses_deck_ties = kinds text mpc_data model cards card_schema deck_reader
-uses_deck_mpc = kinds text tensor mesh mpc_data structural_data model cards card_schema deck_reader
+uses_deck_mpc = kinds text tensor mpc_data structural_data model cards card_schema deck_reader
 uses_deck_couplings = kinds text tensor element_kinds mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_ties deck_mpc
 uses_deck_parts = kinds text tensor cards card_schema deck_labels
 uses_deck_generate = kinds text tensor cards card_schema deck_labels

@@ -10,7 +10,7 @@ module amontons_deck_analytic_surfaces
   use amontons_mesh, only: append_node
   use amontons_surfaces, only: surface_type
   use amontons_mpc_data, only: nonlinear_mpc_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, append_mpc, gather_constraints
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields
@@ -289,6 +289,7 @@ contains
       profile%n_carrier_nodes = merge(3, 4, profile%kind == PROFILE_PLANAR)
       profile%anchor = model%mesh%coordinates(:, body%reference)
       profile%span = max(profile_length(profile), tiny(1.0_DP))
+      call gather_constraints(model)               ! no rotation node is pending where nodes are created
       do k = 1, profile%n_carrier_nodes
         x = profile%anchor
         x = x + merge(profile%span, 0.0_DP, [1, 2, 3] == k - 1)
@@ -300,7 +301,7 @@ contains
       mpc = body
       mpc%node = profile%carriers(:profile%n_carrier_nodes)
       mpc%is_bound(3) = profile%kind /= PROFILE_PLANAR
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+      call append_mpc(model, mpc)
     end associate
   end subroutine attach_profile
 

@@ -7,9 +7,10 @@ module amontons_deck_beams
   use amontons_deck_materials, only: add_section_material
   use amontons_deck_reader, only: reader_type, report_error, read_real, check_n_fields, is_card
   use amontons_mesh, only: mesh_type, append_nodes
-  use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
-  use amontons_structural_data, only: structural_section_type, structure_type, SECTION_RECT, SECTION_CIRC, SECTION_PIPE, &
-    SECTION_BOX
+  use amontons_loads, only: equation_type
+  use amontons_model, only: model_type, new_equation, gather_constraints, DIALECT_CALCULIX
+  use amontons_structural_data, only: structural_section_type, structure_type, find_node_directors, SECTION_RECT, &
+    SECTION_CIRC, SECTION_PIPE, SECTION_BOX
   use amontons_text, only: parse_real, name_key, NUMBER_OK
   use amontons_element_kinds, only: FAMILY_BEAM, KIND_B31, KIND_B31R, KIND_B32, KIND_SAX1, KIND_SAX2
   implicit none
@@ -229,18 +230,41 @@ contains
   end subroutine mark_plane_beams
 
 
-  !> Holds the nodes of beams in the plane and of axisymmetric shells, once the rotation nodes exist.
+  !> Holds the nodes of beams in the plane and of axisymmetric shells, once the rotation nodes exist; those of the shells until a
+  !! step prescribes the displacement or rotation itself.
   subroutine hold_plane_beams(model)
     type(model_type), intent(inout) :: model     !< expanded
-    integer :: i, k
+    integer :: i, k, held_from(6), first, last
+    character(:), allocatable :: card
     do i = 1, size(model%structure%is_plane)
       if (.not. model%structure%is_plane(i)) cycle
-      call append_equation(model, [i], [3], [1.0_DP], 'BEAM SECTION', 0)
+      held_from = 0
+      card = 'BEAM SECTION'
+      call find_node_directors(model%structure, i, first, last)
+      if (model%structure%directors(first)%is_meridional) then
+        held_from = model%structure%held_from(:, i)
+        card = 'SHELL SECTION'
+      end if
+      call hold(i, 3, held_from(3))
       if (model%rotation_of(i) == 0) cycle
       do k = 1, 2
-        call append_equation(model, [model%rotation_of(i)], [k], [1.0_DP], 'BEAM SECTION', 0)
+        call hold(model%rotation_of(i), k, held_from(3 + k))
       end do
     end do
+    call gather_constraints(model)
+
+  contains
+
+    !> Holds a displacement of a node until a step.
+    subroutine hold(node, dof, step)
+      integer, intent(in) :: node, dof
+      integer, intent(in) :: step                !< 0: for good
+      type(equation_type) :: equation
+      equation = new_equation([node], [dof], [1.0_DP], card, 0)
+      if (step > 0) equation%last_step = step - 1
+      call model%read_equations%add(equation)
+    end subroutine hold
+
   end subroutine hold_plane_beams
 
 end module amontons_deck_beams

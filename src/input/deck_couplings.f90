@@ -15,7 +15,7 @@ module amontons_deck_couplings
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, is_card
   use amontons_mesh, only: mesh_type, append_node_copies
-  use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
+  use amontons_model, only: model_type, append_equation, append_mpc, gather_constraints, DIALECT_CALCULIX
   use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
   use amontons_text, only: parse_real, parse_integer, plural, verb, name_key, NUMBER_OK
@@ -157,6 +157,7 @@ contains
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
       if (is_card(reader, c, 'CONTACTPAIR')) call read_tied_pair(reader, model, c)
     end do
+    call gather_constraints(model)
     call release_out_of_plane(model)
     call check_analytic_carrier(reader, model)
     if (allocated(model%frame_of)) model%frame_of = [model%frame_of, &
@@ -197,9 +198,12 @@ contains
     if (has_parameter(parameters, 'ROT NODE')) call single_node(reader, model, c, &
       parameter_text(parameters, 'ROT NODE'), mpc%rotation, is_ok)
     if (.not. is_ok) return
-    if (mpc%rotation == 0) call make_rotation_node(model, mpc%reference, mpc%rotation)
-    model%mesh%is_auxiliary(mpc%rotation) = .true.
-    model%rotation_of(mpc%reference) = mpc%rotation
+    if (mpc%rotation == 0) then
+      call make_rotation_node(model, mpc%reference, mpc%rotation)
+    else
+      model%mesh%is_auxiliary(mpc%rotation) = .true.
+      model%rotation_of(mpc%reference) = mpc%rotation
+    end if
     mpc%node = pack(nodes, [(nodes(i) /= mpc%reference .and. nodes(i) /= mpc%rotation, i=1, size(nodes))])
     if (surface > 0) call attach_profile(model, surface, mpc)
     if (size(mpc%node) == 0 .and. surface == 0) then
@@ -209,7 +213,7 @@ contains
       call report_error(reader, reader%cards%cards(c)%line, 'The ROT NODE belongs to an element; its displacement would ' // &
         'be a rotation. Name a node of its own.')
     else if (size(mpc%node) > 0) then
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+      call append_mpc(model, mpc)
     end if
   end subroutine read_rigid_body
 
@@ -425,7 +429,7 @@ contains
       mpc%is_bound = [first <= 1, first <= 2 .and. last >= 2, last >= 3]
       if (last == 6 .and. allocated(model%structure)) nodes = expanded_nodes(model%structure, nodes)   ! their rotations too
       mpc%node = pack(nodes, nodes /= mpc%reference)
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+      call append_mpc(model, mpc)
       if (has_parameter(parameters, 'ORIENTATION')) call set_mpc_axes(model, rule)
     end do
     if (n == 0) call report_error(reader, reader%cards%cards(c)%line, &
@@ -481,7 +485,7 @@ contains
         reader%cards%cards(c)%line, 'Of the rotations of shells and beams a coupling binds all three (1, 6) or none (1, 3).')
       if (all(is_bound(4:))) mpc%node = expanded_nodes(model%structure, mpc%node)
     end if
-    model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+    call append_mpc(model, mpc)
   end subroutine add_kinematic
 
 
@@ -490,7 +494,9 @@ contains
     type(model_type), intent(inout) :: model
     type(coordinate_system_type), intent(in) :: rule
     integer :: i
-    associate (mpc => model%nonlinear_mpcs(size(model%nonlinear_mpcs)))
+    if (model%read_mpcs%n == 0) return           ! its error is reported
+    associate (mpc => model%read_mpcs%items(model%read_mpcs%n))
+      if (allocated(mpc%axes)) return
       allocate (mpc%axes(3, 3, size(mpc%node)))
       do i = 1, size(mpc%node)
         mpc%axes(:, :, i) = axes_at(rule, model%mesh%coordinates(:, mpc%node(i)))
@@ -641,8 +647,7 @@ contains
       end do
     end associate
     call append_equation(model, [pilot, spread(deck_nodes(n), 1, 3), spread(deck_nodes(1), 1, 3)], [1, 1, 2, 3, 1, 2, 3], &
-      [1.0_DP, normal, -normal], 'PRE-TENSION SECT', line)
-    model%equations(size(model%equations))%n_eliminable = 7
+      [1.0_DP, normal, -normal], 'PRE-TENSION SECT', line, n_eliminable=7)
   end subroutine replace_beam
 
 

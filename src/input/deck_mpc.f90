@@ -5,8 +5,7 @@ module amontons_deck_mpc
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_deck_reader, only: reader_type, open_card, report_error, nodes_of_field, read_real, check_n_fields, is_card, &
     check_no_data
-  use amontons_mesh, only: append_node
-  use amontons_model, only: model_type, append_equation, DIALECT_CALCULIX
+  use amontons_model, only: model_type, append_equation, append_mpc, DIALECT_CALCULIX
   use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
   use amontons_text, only: is_one_of, name_key, to_text, NUMBER_OK, parse_integer
@@ -148,7 +147,7 @@ contains
       end if
       do i = merge(4, 3, kind == 'PLANE'), size(nodes)
         mpc%node = [nodes(i), nodes(:merge(3, 2, kind == 'PLANE'))]
-        model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+        call append_mpc(model, mpc)
       end do
     case ('BEAM', 'LINK')
       call add_beam(reader, model, line, nodes, mpc, is_link=kind == 'LINK')
@@ -221,12 +220,12 @@ contains
     else if (is_link .or. reader%dialect == DIALECT_CALCULIX) then
       mpc%kind = MPC_DISTANCE
       mpc%node = nodes
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+      call append_mpc(model, mpc)
     else
       mpc%node = nodes(:1)
       mpc%reference = nodes(2)
       call make_rotation_node(model, mpc%reference, mpc%rotation)
-      model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+      call append_mpc(model, mpc)
     end if
   end subroutine add_beam
 
@@ -294,20 +293,19 @@ contains
     end if
     mpc%axis = mpc%axis / norm2(mpc%axis)
     model%mesh%is_auxiliary(mpc%reference) = .true.
-    model%nonlinear_mpcs = [model%nonlinear_mpcs, mpc]
+    call append_mpc(model, mpc)
   end subroutine add_mean_rotation
 
 
-  !> The rotation node of a reference node, created if new.
+  !> The rotation node of a reference node; `gather_constraints` creates those that are new. Cost: constant in the mean.
   subroutine make_rotation_node(model, reference, rotation)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: reference
     integer, intent(out) :: rotation
     rotation = model%rotation_of(reference)
     if (rotation > 0) return
-    call append_node(model%mesh, model%mesh%coordinates(:, reference), rotation)
-    model%mesh%is_auxiliary(rotation) = .true.
-    model%rotation_of = [model%rotation_of, 0]
+    call model%read_turned%add(reference)
+    rotation = model%mesh%n_nodes + model%read_turned%n
     model%rotation_of(reference) = rotation
   end subroutine make_rotation_node
 

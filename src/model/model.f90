@@ -3,11 +3,12 @@
 module amontons_model
   use amontons_kinds, only: DP
   use amontons_restart_file, only: state_key_type
-  use amontons_mesh, only: mesh_type
+  use amontons_containers, only: integer_list_type
+  use amontons_mesh, only: mesh_type, append_nodes
   use amontons_materials, only: material_type, orientation_type, spring_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, general_contact_type
   use amontons_loads, only: amplitude_type, equation_type, equation_list_type, load_type, load_value, integrated_velocity
-  use amontons_mpc_data, only: nonlinear_mpc_type, tie_type, distributing_coupling_type
+  use amontons_mpc_data, only: nonlinear_mpc_type, nonlinear_mpc_list_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
   use amontons_structural_data, only: structure_type
   use amontons_user_elements, only: user_elements_type
@@ -15,7 +16,8 @@ module amontons_model
   implicit none
   private
   public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, list_follower_nodes, &
-    has_unsymmetric_elements, with_pretension_copies, new_equation, append_equation, &
+    has_unsymmetric_elements, with_pretension_copies, new_equation, append_equation, append_mpc, &
+    gather_constraints, &
     is_out, absent_elements, material_in_step, load_now, displacement_now, &
     DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
@@ -73,6 +75,9 @@ module amontons_model
     type(orientation_type), allocatable :: orientations(:)
     integer, allocatable :: element_orientation(:)    !< (n_elements) index into orientations, 0: global; unallocated: 0
     type(nonlinear_mpc_type), allocatable :: nonlinear_mpcs(:)    !< nonlinear multi-point constraints
+    type(equation_list_type) :: read_equations         !< of the cards being read; `gather_constraints` moves them to `equations`
+    type(nonlinear_mpc_list_type) :: read_mpcs         !< the same for nonlinear_mpcs
+    type(integer_list_type) :: read_turned             !< nodes that get a rotation node: n_nodes + 1, ... in this order
     type(tie_type), allocatable :: ties(:)      !< tie constraints; converted to equations before the start
     type(distributing_coupling_type), allocatable :: distributing_couplings(:)   !< distributing couplings; converted to equations
                                                                                  !! before the start
@@ -245,16 +250,40 @@ contains
   end function new_equation
 
 
-  !> Appends such an equation to a model during reading. The others are moved, not copied.
-  subroutine append_equation(model, node, dof, coefficient, card, line)
+  !> Appends such an equation to those read. Cost: constant in the mean.
+  subroutine append_equation(model, node, dof, coefficient, card, line, n_eliminable)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: node(:), dof(:)         !< (terms) node, 1 to 3
     real(DP), intent(in) :: coefficient(:)         !< (terms) [-]
     character(*), intent(in) :: card               !< its name, for messages
     integer, intent(in) :: line                    !< of the deck
-    type(equation_list_type) :: one
-    call one%add(new_equation(node, dof, coefficient, card, line))
-    call one%move_to(model%equations)
+    integer, intent(in), optional :: n_eliminable  !< first terms that may be eliminated; 1 without it
+    call model%read_equations%add(new_equation(node, dof, coefficient, card, line))
+    if (present(n_eliminable)) model%read_equations%items(model%read_equations%n)%n_eliminable = n_eliminable
   end subroutine append_equation
+
+
+  !> Appends a nonlinear multi-point constraint to those read. Cost: constant in the mean.
+  subroutine append_mpc(model, mpc)
+    type(model_type), intent(inout) :: model
+    type(nonlinear_mpc_type), intent(in) :: mpc
+    call model%read_mpcs%add(mpc)
+  end subroutine append_mpc
+
+
+  !> Moves the equations and constraints read to those of the model, in their order, and creates the rotation nodes they name.
+  !! Cost: linear.
+  subroutine gather_constraints(model)
+    type(model_type), intent(inout) :: model
+    integer :: n
+    call model%read_equations%move_to(model%equations)
+    call model%read_mpcs%move_to(model%nonlinear_mpcs)
+    n = model%read_turned%n
+    if (n == 0) return
+    call append_nodes(model%mesh, model%mesh%coordinates(:, model%read_turned%items(:n)))
+    model%mesh%is_auxiliary(model%mesh%n_nodes - n + 1:) = .true.
+    model%rotation_of = [model%rotation_of, spread(0, 1, n)]
+    model%read_turned%n = 0
+  end subroutine gather_constraints
 
 end module amontons_model

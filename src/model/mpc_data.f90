@@ -7,7 +7,7 @@ module amontons_mpc_data
   use amontons_tensor, only: cross_product
   implicit none
   private
-  public :: nonlinear_mpc_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at
+  public :: nonlinear_mpc_type, nonlinear_mpc_list_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at
   public :: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
 
   integer, parameter :: MPC_RIGID_BODY = 1        !< the nodes move with a reference node as a rigid body
@@ -30,6 +30,16 @@ module amontons_mpc_data
     character(:), allocatable :: card        !< keyword, for messages
     integer :: line = 0                      !< line of the card in the deck, for messages
   end type nonlinear_mpc_type
+
+  !> Nonlinear multi-point constraints that are added one by one. The array doubles when it is full, and its items are moved, not
+  !! copied.
+  type :: nonlinear_mpc_list_type
+    type(nonlinear_mpc_type), allocatable :: items(:)
+    integer :: n = 0                         !< constraints; the rest of the items is empty
+  contains
+    procedure :: add => add_mpc_to_list
+    procedure :: move_to => move_mpcs_to
+  end type nonlinear_mpc_list_type
 
   !> A tie constraint: the slave nodes keep their initial position relative to the master.
   type :: tie_type
@@ -89,5 +99,63 @@ contains
       axes(:, 2) = cross_product(axes(:, 3), axes(:, 1))
     end if
   end function axes_at
+
+
+  !> Adds a constraint. Cost: constant in the mean.
+  pure subroutine add_mpc_to_list(self, mpc)
+    class(nonlinear_mpc_list_type), intent(inout) :: self
+    type(nonlinear_mpc_type), intent(in) :: mpc
+    if (.not. allocated(self%items)) allocate (self%items(16))
+    if (self%n == size(self%items)) call resize_mpcs(self%items, 2 * self%n)
+    self%n = self%n + 1
+    self%items(self%n) = mpc
+  end subroutine add_mpc_to_list
+
+
+  !> Moves the constraints into an array of their number, after those that are there. After: the list is empty.
+  pure subroutine move_mpcs_to(self, mpcs)
+    class(nonlinear_mpc_list_type), intent(inout) :: self
+    type(nonlinear_mpc_type), allocatable, intent(inout) :: mpcs(:)
+    integer :: i, n_before
+    if (.not. allocated(mpcs)) allocate (mpcs(0))
+    n_before = size(mpcs)
+    call resize_mpcs(mpcs, n_before + self%n)
+    do i = 1, self%n
+      call move_mpc(self%items(i), mpcs(n_before + i))
+    end do
+    self%n = 0
+  end subroutine move_mpcs_to
+
+
+  !> Changes the size of an array of constraints; those that both sizes have are moved.
+  pure subroutine resize_mpcs(mpcs, n)
+    type(nonlinear_mpc_type), allocatable, intent(inout) :: mpcs(:)
+    integer, intent(in) :: n
+    type(nonlinear_mpc_type), allocatable :: resized(:)
+    integer :: i
+    allocate (resized(n))
+    do i = 1, min(n, size(mpcs))
+      call move_mpc(mpcs(i), resized(i))
+    end do
+    call move_alloc(resized, mpcs)
+  end subroutine resize_mpcs
+
+
+  !> Moves a constraint; the allocatable parts of the first one are deallocated after.
+  pure subroutine move_mpc(from, to)
+    type(nonlinear_mpc_type), intent(inout) :: from
+    type(nonlinear_mpc_type), intent(out) :: to
+    to%kind = from%kind
+    call move_alloc(from%node, to%node)
+    to%reference = from%reference
+    to%rotation = from%rotation
+    to%expansion = from%expansion
+    to%pilot_direction = from%pilot_direction
+    to%is_bound = from%is_bound
+    call move_alloc(from%axes, to%axes)
+    to%axis = from%axis
+    call move_alloc(from%card, to%card)
+    to%line = from%line
+  end subroutine move_mpc
 
 end module amontons_mpc_data

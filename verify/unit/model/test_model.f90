@@ -3,8 +3,9 @@
 program test_model
   use amontons_kinds, only: DP
   use amontons_loads, only: load_type, equation_type
+  use amontons_mpc_data, only: nonlinear_mpc_type
   use amontons_model, only: model_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, with_pretension_copies, &
-    new_equation, append_equation, is_out, absent_elements, material_in_step, load_now
+    new_equation, append_equation, append_mpc, gather_constraints, is_out, absent_elements, material_in_step, load_now
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -94,9 +95,25 @@ contains
   subroutine check_equations()
     type(model_type) :: model
     type(equation_type) :: equation
-    allocate (model%equations(0))
+    type(nonlinear_mpc_type) :: mpc
+    integer :: i
     call append_equation(model, [1, 2, 3], [1, 1, 2], [1.0_DP, 1.0e-17_DP, -2.0_DP], 'EQUATION', 12)
     call append_equation(model, [4, 5], [3, 3], [1.0e-20_DP, -1.0e-20_DP], 'TIE', 13)
+    do i = 1, 100
+      mpc%node = [i, i + 1]
+      mpc%card = 'MPC'
+      mpc%line = i
+      call append_mpc(model, mpc)
+    end do
+    call gather_constraints(model)
+    call append_equation(model, [6, 7], [1, 1], [1.0_DP, -1.0_DP], 'PIN', 14, n_eliminable=2)
+    call gather_constraints(model)
+    call suite%that('all in their order', size(model%equations) == 3 .and. size(model%nonlinear_mpcs) == 100)
+    call suite%that('the last one', model%equations(3)%n_eliminable == 2 .and. all(model%equations(3)%node == [6, 7]))
+    do i = 1, 100
+      call suite%that('a constraint whole', all(model%nonlinear_mpcs(i)%node == [i, i + 1]) .and. &
+        model%nonlinear_mpcs(i)%line == i .and. model%nonlinear_mpcs(i)%card == 'MPC')
+    end do
     associate (first => model%equations(1), second => model%equations(2))
       call suite%that('two terms are left', all(first%node == [1, 3]) .and. all(first%dof == [1, 2]))
       call suite%that('their coefficients', all(first%coefficient == [1.0_DP, -2.0_DP]))
