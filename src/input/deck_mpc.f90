@@ -5,7 +5,7 @@ module amontons_deck_mpc
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_deck_reader, only: reader_type, open_card, report_error, nodes_of_field, read_real, check_n_fields, is_card, &
     check_no_data
-  use amontons_model, only: model_type, append_equation, append_mpc, DIALECT_CALCULIX
+  use amontons_model, only: model_type, append_equation, append_mpc, gather_constraints, DIALECT_CALCULIX
   use amontons_structural_data, only: expanded_nodes
   use amontons_tensor, only: cross_product
   use amontons_text, only: is_one_of, name_key, to_text, NUMBER_OK, parse_integer
@@ -310,7 +310,7 @@ contains
   end subroutine make_rotation_node
 
 
-  !> All DISTRIBUTING COUPLING cards.
+  !> All DISTRIBUTING COUPLING cards; their equations follow those of the other couplings.
   subroutine read_distributing_couplings(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -324,6 +324,7 @@ contains
           'binds no rotation; under the abaqus dialect use *COUPLING with *DISTRIBUTING below it, on a surface.')
       end if
     end do
+    call gather_constraints(model)
   end subroutine read_distributing_couplings
 
 

@@ -5,7 +5,7 @@ program test_deck_mpc
   use amontons_deck, only: read_deck_text
   use amontons_deck_mpc, only: unique_nodes, make_rotation_node
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_model, only: model_type, job_options_type, gather_constraints, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
   use check, only: suite_type
   use samples, only: deck_lines
@@ -34,6 +34,7 @@ contains
     call expect_read('', model)
     call make_rotation_node(model, 3, first)
     call make_rotation_node(model, 3, again)
+    call gather_constraints(model)
     call suite%that('one node', first == 14 .and. again == 14 .and. model%mesh%n_nodes == 14 .and. model%rotation_of(3) == 14)
     call suite%that('without displacements, at the same place', model%mesh%is_auxiliary(14) .and. &
       all(abs(model%mesh%coordinates(:, 14) - model%mesh%coordinates(:, 3)) <= 0))
