@@ -23,7 +23,7 @@ module amontons_equilibrium
   use amontons_factorization, only: lu_type
   use amontons_mpi_ranks, only: n_ranks
   use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small, choose_division, discard_analysis, &
-    USE_ONCE, USE_REPEATED
+    USE_ONCE, USE_REPEATED, USE_NEWTON
   use amontons_schur_interface, only: schur_interface_type
   use amontons_contact_preconditioner, only: skin_type
   use amontons_free_rigid_motions, only: free_motions_type
@@ -299,6 +299,7 @@ contains
     system%may_collapse = any(model%materials%n_history > 0) .and. .not. has_moving_supports(step)
     system%reduced_system%use = merge(USE_REPEATED, USE_ONCE, size(state%old%slaves) > 0 .or. &
       (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period))
+    if (size(state%old%slaves) == 0 .and. .not. system%is_constant) system%reduced_system%use = USE_NEWTON
     call update_base_constraints(system, model, step, state%old, error)
     if (allocated(error)) return
     call prepare_matrix(system, model, error)

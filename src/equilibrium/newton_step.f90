@@ -18,8 +18,8 @@ module amontons_newton_step
   use amontons_state, only: state_type, fields_type, slave_state_type, DAMPING_NOW, STATUS_OPEN
   use amontons_sparse, only: sparse_type, sparse_sum
   use amontons_factorization, only: FACTOR_OK
-  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, abandon_iteration, old_factor_iterations, &
-    USE_SKIN
+  use amontons_reduced_system, only: reduced_system_type, factorise_reduced_system, abandon_iteration, &
+    old_factor_iterations, renew_matrix, USE_SKIN
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin
   use amontons_free_rigid_motions, only: sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
@@ -74,8 +74,11 @@ contains
     system%max_old_iterations = 0
     if (is_old_factor_allowed(system, step)) system%max_old_iterations = old_factor_iterations(system%reduced_system, &
       system%constraints)
-    if (.not. (system%has_interface_solver .or. system%is_interface_singular .or. system%max_old_iterations > 0)) &
+    if (system%max_old_iterations > 0 .and. system%reduced_system%is_iterative) then
+      call renew_matrix(system%reduced_system, system%assembly%stiffness, system%constraints, error)
+    else if (.not. (system%has_interface_solver .or. system%is_interface_singular .or. system%max_old_iterations > 0)) then
       call prepare_reduced_solver(system, model, step, state, outcome, error)
+    end if
     if (allocated(error) .or. outcome /= OUTCOME_OK) return
     call system%clock%read(PHASE_FACTOR)
     system%n_factorisations_before = system%n_factorisations
@@ -93,15 +96,15 @@ contains
       call solve_newton_step(system, model, step, state, du, outcome, error, d_load)
       return
     end if
-    if (outcome == OUTCOME_LINEAR_SOLVER .and. (system%max_old_iterations > 0 .or. (.not. system%has_interface_solver .and. &
-      system%reduced_system%is_iterative))) then
+    do while (outcome == OUTCOME_LINEAR_SOLVER .and. (system%max_old_iterations > 0 .or. (.not. system%has_interface_solver .and. &
+      system%reduced_system%is_iterative)))
       if (system%max_old_iterations == 0) call abandon_iteration(system%reduced_system)
       system%max_old_iterations = 0
       call prepare_reduced_solver(system, model, step, state, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
       call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
       if (allocated(error)) return
-    end if
+    end do
     if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
       error)
     call system%clock%read(PHASE_KRYLOV)

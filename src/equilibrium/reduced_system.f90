@@ -37,10 +37,11 @@ module amontons_reduced_system
   private
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
     factorise_reduced_system, apply_reduced_inverse, iterate_reduced_system, abandon_iteration, discard_analysis, &
-    old_factor_iterations, choose_division
+    old_factor_iterations, renew_matrix, choose_division
 
-  !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner.
-  integer, parameter, public :: USE_ONCE = 1, USE_REPEATED = 2, USE_SKIN = 3
+  !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner; directions of
+  !! Newton's method, of which those of an increment share a factor or preconditioner.
+  integer, parameter, public :: USE_ONCE = 1, USE_REPEATED = 2, USE_SKIN = 3, USE_NEWTON = 4
 
   !> What the two solvers of A take: the figures that the choice compares.
   type :: solution_cost_type
@@ -80,6 +81,7 @@ module amontons_reduced_system
     type(solution_cost_type) :: cost               !< of the last analysis
     integer :: n_factorised = 0                          !< factorisations of the last call
     integer :: n_shifted = 0                       !< of them with a shift
+    integer :: n_new_iterations = 0                !< iterations of the last solution with a preconditioner of its own A
     logical :: is_shift_allowed = .true.           !< where A is not positive; else it has no factor
   end type reduced_system_type
 
@@ -184,6 +186,7 @@ contains
       if (allocated(error)) return
       if (self%is_divided) deallocate (self%matrix%value)
       self%is_current = .not. is_broken
+      self%is_reusable = self%is_current .and. self%distributed_kind == DISTRIBUTED_NONE
       if (self%is_current) return
       call abandon_iteration(self)
       if (self%is_divided) return
@@ -219,14 +222,31 @@ contains
   end subroutine update_iteration
 
 
-  !> The iterations with the factor of an earlier K that cost less than a new factor; 0: there is none, or it does not pay.
+  !> A of a new K, with the preconditioner of an earlier one.
+  subroutine renew_matrix(self, stiffness, constraints, error)
+    type(reduced_system_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: stiffness     !< K, in the pattern of the earlier one
+    type(constraints_type), intent(in) :: constraints    !< C, likewise
+    type(error_type), allocatable, intent(out) :: error
+    call reduce_matrix(self%reduction, stiffness, constraints%transformation, self%matrix, error)
+    if (allocated(error)) return
+    self%analysed_map%value = constraints%transformation%value
+  end subroutine renew_matrix
+
+
+  !> The iterations with the factor or the preconditioner of an earlier K before a new one is made; 0: there is none, or it does
+  !! not pay.
   pure integer function old_factor_iterations(self, constraints) result(n)
     type(reduced_system_type), intent(in) :: self
     type(constraints_type), intent(in) :: constraints
     n = 0
-    if (.not. (self%is_reusable .and. self%factor%is_ready) .or. self%is_iterative) return
-    n = int(self%controls%old_factor_work_ratio * self%factor%n_operations / &
-      (self%controls%operations_per_factor_entry * self%factor%n_entries))
+    if (.not. self%is_reusable) return
+    if (self%is_iterative) then
+      n = self%controls%max_iteration_growth * self%n_new_iterations
+    else if (self%factor%is_ready) then
+      n = int(self%controls%old_factor_work_ratio * self%factor%n_operations / &
+        (self%controls%operations_per_factor_entry * self%factor%n_entries))
+    end if
     if (n < self%controls%min_old_iterations) n = 0
     if (.not. is_same_pattern(constraints%transformation, self%analysed_map)) n = 0
   end function old_factor_iterations
@@ -396,7 +416,8 @@ contains
     type(constraints_type), intent(in) :: constraints
     type(error_type), allocatable, intent(out) :: error
     logical :: is_planned
-    is_planned = constraints%n_free >= self%controls%min_unknowns_planned
+    is_planned = constraints%n_free >= merge(self%controls%min_unknowns_newton, self%controls%min_unknowns_planned, &
+      self%use == USE_NEWTON)
     call estimate_factor(self, constraints, error)
     if (allocated(error) .or. self%cost%is_estimated) return
     call analyse_factor(self, constraints, error)
@@ -462,6 +483,8 @@ contains
     work = operations
     if (self%use == USE_REPEATED) work = 0.0_DP
     if (self%use == USE_SKIN) work = work + self%controls%skin_solves * self%controls%operations_per_factor_entry * entries
+    if (self%use == USE_NEWTON) work = self%controls%newton_factors * work + &
+      self%controls%newton_solves * self%controls%operations_per_factor_entry * entries
   end function factor_work
 
 
@@ -471,6 +494,7 @@ contains
     real(DP) :: n_iterations
     n_iterations = self%controls%expected_iterations
     if (self%use == USE_SKIN) n_iterations = self%controls%skin_solves * self%controls%skin_work_ratio
+    if (self%use == USE_NEWTON) n_iterations = self%controls%expected_newton_iterations
     work = n_iterations * self%cost%iteration_operations
   end function iteration_work
 
@@ -715,6 +739,7 @@ contains
       matrix%matrix => self%matrix
       preconditioner%system => self
       call conjugate_gradients(matrix, preconditioner, b, x, options, report)
+      if (self%is_current) self%n_new_iterations = report%n_iterations
     case (DISTRIBUTED_TWO_LEVEL)
       call solve_distributed_two_level(self%divided, b, x, options, report)
     case default

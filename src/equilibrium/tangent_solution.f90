@@ -148,8 +148,10 @@ contains
     if (is_iterative) options%tolerance = system%controls%krylov%iterative_tolerance
     if (has_unsymmetric_law(system%assembly%skew) .and. .not. is_iterative) &
       options%max_iterations = system%controls%krylov%max_unsymmetric_iterations
-    if (system%max_old_iterations > 0) then
-      options%max_iterations = system%max_old_iterations
+    if (system%max_old_iterations > 0) options%max_iterations = system%max_old_iterations
+    if (is_iterative .and. size(system%contact_tangents) == 0 .and. .not. system%is_constant) then
+      options%energy_tolerance = min(system%forcing_term, system%controls%linear_solver%energy_tolerance)
+    else if (system%max_old_iterations > 0) then
       options%tolerance = min(system%forcing_term, system%controls%linear_solver%old_factor_tolerance)
     end if
     if (system%seeks_descent .and. size(system%contact_tangents) == 0 .and. system%reduced_system%n_shifted > 0 .and. &

@@ -65,6 +65,8 @@ module amontons_krylov
     real(DP) :: absolute_tolerance = 0                   !< absolute tolerance [as b]
     integer :: max_iterations = 200
     integer :: restart = 100                !< most vectors kept by gmres
+    real(DP) :: energy_tolerance = 0        !< conjugate gradients also end where r'z, the square of the residual in the norm
+                                            !! of the preconditioner, is less than this squared times that of the start [-]
   end type krylov_options_type
 
   !> The outcome of a solution.
@@ -337,7 +339,7 @@ contains
     real(DP), intent(inout) :: x(:)
     type(krylov_report_type), intent(inout) :: report
     real(DP), dimension(size(r)) :: z, p, a_p, dx
-    real(DP) :: rho, rho_old, energy, alpha, size_of_r, drift
+    real(DP) :: rho, rho_old, rho_start, energy, alpha, size_of_r, drift
     real(DP) :: largest                                     ! residual since the last update
     logical :: is_end                                       ! by the recurrence no smaller residual is needed or can be reached
     p = 0
@@ -359,6 +361,12 @@ contains
       call preconditioner%apply(r, z)
       report%n_iterations = report%n_iterations + 1
       rho = inner(operator, r, z)
+      if (report%n_iterations == 1) rho_start = rho
+      if (rho > 0 .and. rho <= options%energy_tolerance**2 * rho_start) then
+        x = x + dx
+        report%status = KRYLOV_CONVERGED
+        return
+      end if
       p = z + rho / rho_old * p
       call operator%apply(p, a_p)
       energy = inner(operator, p, a_p)

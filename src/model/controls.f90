@@ -159,8 +159,12 @@ module amontons_controls
     real(DP) :: old_factor_work_ratio = 0.5_DP   !< Krylov iterations with the factor of an earlier iteration may take so much of
                                            !! the work of a new one [-] | newton_step
     integer :: min_old_iterations = 10     !< a factor with fewer of them in that work is not reused | set
+    integer :: max_iteration_growth = 3    !< iterations with an earlier preconditioner over those that it took when it was new |
+                                           !! newton_step
     real(DP) :: old_factor_tolerance = 1.0e-3_DP   !< largest residual of a direction with it over the right-hand side [-] |
                                            !! newton_step
+    real(DP) :: energy_tolerance = 1.0e-4_DP   !< largest residual of an iterated direction of Newton's method, in the norm of the
+                                           !! preconditioner, over the right-hand side [-] | doc/theory/solver.md
     real(DP) :: skin_solves = 650.0_DP     !< solutions with the bulk in a job with contact by the skin | 0021
     real(DP) :: skin_work_ratio = 2.0_DP   !< work of the iterations that two levels take for one with a factor, over that of one
                                            !! iteration [-] | 0021
@@ -171,6 +175,10 @@ module amontons_controls
     real(DP) :: factor_entries_ratio = 60.0_DP   !< entries of a factor over n^(4/3): more than a compact body has [-] |
                                            !! reduced_system
     integer :: min_unknowns_planned = 30000   !< unknowns below which memory and work are not checked | set
+    integer :: min_unknowns_newton = 20000   !< the same for directions of Newton's method without contact | set
+    real(DP) :: expected_newton_iterations = 25.0_DP   !< estimated iterations of such a direction, likewise | doc/theory/solver.md
+    real(DP) :: newton_factors = 0.4_DP    !< factors in place of them | doc/theory/solver.md
+    real(DP) :: newton_solves = 5.0_DP     !< solutions with a factor in place of them | doc/theory/solver.md
     integer :: min_unknowns_estimated = 150000   !< unknowns from which the factor is estimated before its analysis | reduced_system
     real(DP) :: separator_entries_ratio = 14.0_DP   !< entries of a factor over the square of its last separator [-] |
                                            !! reduced_system
