@@ -25,6 +25,7 @@ uses_graph_partition = containers errors sparse
 uses_krylov = kinds errors sparse
 uses_midside_interpolation = kinds errors sparse
 uses_null_space = kinds dense
+uses_point_partition = kinds
 uses_two_level_preconditioner = kinds containers errors dense sparse factorization midside_interpolation
 uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 
@@ -153,7 +154,7 @@ uses_user_state = kinds errors tensor element_kinds loads user_routines material
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse element_kinds shape_functions
-uses_assembly_plan = kinds containers errors sparse graph_partition mpi_ranks element_kinds mesh hex8_simd unsymmetric_tangent
+uses_assembly_plan = kinds containers errors sparse graph_partition point_partition mpi_ranks element_kinds mesh hex8_simd unsymmetric_tangent
 uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model element hex8_simd state user_state unsymmetric_tangent assembly_plan
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly_plan assembly
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads
@@ -186,9 +187,9 @@ uses_unpaired_contact = kinds text containers model facets exterior_surface face
 uses_arc_length = kinds steps model state
 uses_reduced_system = kinds text errors posix sparse factorization graph_partition krylov two_level_preconditioner mpi_ranks distributed_solver distributed_two_level controls element_kinds mesh steps constraints
 uses_schur_interface = kinds errors dense sparse factorization graph_partition woodbury_interface controls constraints
-uses_contact_tiles = kinds containers errors blas_lapack sparse
-uses_contact_coarse_space = kinds blas_lapack sparse constraints reduced_system contact_tiles
-uses_contact_preconditioner = kinds errors dense sparse controls constraints reduced_system contact_tiles contact_coarse_space
+uses_contact_coarse_space = kinds blas_lapack sparse point_partition constraints reduced_system
+uses_contact_tiles = kinds errors blas_lapack sparse
+uses_contact_preconditioner = kinds errors dense sparse point_partition controls constraints reduced_system contact_coarse_space contact_tiles
 uses_free_rigid_motions = kinds containers dense sparse two_level_preconditioner controls constraints
 uses_equilibrium = kinds containers errors iteration_records phase_clock sparse factorization mpi_ranks controls surfaces steps user_elements model contact_constraint_rows master_symmetry_planes friction_slip_scenarios state model_change user_state assembly_plan assembly external_loads inertia stabilization user_element_forces constraints nonlinear_mpc boundary_conditions slave_nodes contact_pairs contact_evaluation contact_initialization contact_integration_points contact_linearization reduced_system schur_interface contact_preconditioner free_rigid_motions
 uses_robin_springs = kinds errors tensor dense sparse controls contact_constraint_rows state shared_slave_nodes contact_pairs contact_linearization contact_operators

@@ -17,6 +17,7 @@ module amontons_assembly_plan
   use amontons_sparse, only: sparse_type, multiply_symmetric
   use amontons_unsymmetric_tangent, only: skew_part_type
   use amontons_graph_partition, only: partition_mesh
+  use amontons_point_partition, only: partition_points
   use amontons_mpi_ranks, only: this_rank, n_ranks, sum_over_ranks, min_over_ranks
   use amontons_hex8_simd, only: batch_rule_type, create_batch_rule
   implicit none
@@ -132,8 +133,7 @@ contains
     logical :: is_inside
     call divide_elements(assembly, mesh, error)
     if (allocated(error)) return
-    call divide_own_elements(assembly, mesh, part, error)
-    if (allocated(error)) return
+    call divide_own_elements(assembly, mesh, part)
     allocate (group(mesh%n_elements), node_part(mesh%n_nodes))
     node_part = 0                                     ! 0 none yet, -1 several
     do e = 1, mesh%n_elements
@@ -169,30 +169,27 @@ contains
   end subroutine divide_elements
 
 
-  !> Divides the elements of this rank into parts.
-  subroutine divide_own_elements(assembly, mesh, part, error)
+  !> Divides the elements of this rank into parts by their places.
+  subroutine divide_own_elements(assembly, mesh, part)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
     integer, allocatable, intent(out) :: part(:)      !< (n_elements) 0: of another rank
-    type(error_type), allocatable, intent(out) :: error
-    integer, allocatable :: own(:), first(:), nodes(:), part_of_own(:)
+    integer, allocatable :: own(:), part_of_own(:)
+    real(DP), allocatable :: centre(:, :)             ! (3, own elements) [length]
     integer :: e, k
     own = pack([(e, e=1, mesh%n_elements)], [(is_own_element(assembly, e), e=1, mesh%n_elements)])
     allocate (part(mesh%n_elements), source=0)
     part(own) = 1
-    assembly%n_parts = max(1, size(own) / ELEMENTS_PER_PART)
-    if (assembly%n_parts == 1) return
-    allocate (first(size(own) + 1))
-    first(1) = 1
+    assembly%n_parts = 1
+    if (size(own) < 2 * ELEMENTS_PER_PART) return
+    allocate (centre(3, size(own)), part_of_own(size(own)))
     do k = 1, size(own)
-      first(k + 1) = first(k) + mesh%first(own(k) + 1) - mesh%first(own(k))
+      associate (nodes => mesh%nodes(mesh%first(own(k)):mesh%first(own(k) + 1) - 1))
+        centre(:, k) = sum(mesh%coordinates(:, nodes), dim=2) / real(size(nodes), DP)
+      end associate
     end do
-    allocate (nodes(first(size(own) + 1) - 1))
-    do k = 1, size(own)
-      nodes(first(k):first(k + 1) - 1) = mesh%nodes(mesh%first(own(k)):mesh%first(own(k) + 1) - 1)
-    end do
-    call partition_mesh(size(own), first, nodes, mesh%n_nodes, assembly%n_parts, part_of_own, error=error)
-    if (.not. allocated(error)) part(own) = part_of_own
+    call partition_points(centre, ELEMENTS_PER_PART, part_of_own, assembly%n_parts)
+    part(own) = part_of_own
   end subroutine divide_own_elements
 
 

@@ -17,7 +17,7 @@ module amontons_contact_coarse_space
   use amontons_sparse, only: sparse_type, multiply, multiply_symmetric
   use amontons_constraints, only: constraints_type, condense_forces
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
-  use amontons_contact_tiles, only: partition_points
+  use amontons_point_partition, only: partition_points
   implicit none
   private
   public :: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, apply_coarse_correction

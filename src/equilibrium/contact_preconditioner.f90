@@ -21,7 +21,8 @@ module amontons_contact_preconditioner
   use amontons_reduced_system, only: reduced_system_type, apply_reduced_inverse
   use amontons_contact_coarse_space, only: coarse_space_type, coarse_rows_type, build_coarse_space, update_coarse_space, &
     apply_coarse_correction
-  use amontons_contact_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
+  use amontons_point_partition, only: partition_points
+  use amontons_contact_tiles, only: tangent_parts_type, tile_type, factorise_tiles, correct_tiles
   implicit none
   private
   public :: skin_type, skin_memory_type, partition_skin, build_skin_coarse_space, update_skin, apply_bulk, apply_coarse_space, &

@@ -1,4 +1,4 @@
-!> Tiles of the contact skin: partition into small patches, and the dense LU factor of the tangent on each of them.
+!> Tiles of the contact skin: the dense LU factor of the tangent on each of its small patches.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory: doc/theory/solver.md, "The contact skin". The tangent on the unknowns F of a tile is
@@ -10,12 +10,11 @@
 module amontons_contact_tiles
   use amontons_kinds, only: DP, SP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
-  use amontons_containers, only: ascending_order, sort_integers
   use amontons_sparse, only: sparse_type
   use amontons_blas_lapack, only: sgetrf, sgetrs
   implicit none
   private
-  public :: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
+  public :: tangent_parts_type, tile_type, factorise_tiles, correct_tiles
 
   !> The parts of the tangent on the skin. n_skin: unknowns of the skin; n_free: free unknowns among them.
   type :: tangent_parts_type
@@ -43,47 +42,6 @@ module amontons_contact_tiles
   end type spike_type
 
 contains
-
-  !> Partitions points into tiles of at most `max_points` points by recursive bisection across the longest side of the bounding box.
-  !! Cost: n log(n)^2. The tiles do not depend on the number of threads. Equal coordinates are ordered by their index.
-  subroutine partition_points(place, max_points, tile, n_tiles)
-    real(DP), intent(in) :: place(:, :)            !< (3, n) [length]
-    integer, intent(in) :: max_points
-    integer, intent(out) :: tile(:)                !< (n) from 1
-    integer, intent(out) :: n_tiles
-    integer :: order(size(tile)), first(size(tile) + 1), last(size(tile) + 1), n_open, low, high, middle, axis, i
-    n_tiles = 0
-    if (size(tile) == 0) return
-    order = [(i, i=1, size(tile))]
-    n_open = 1
-    first(1) = 1
-    last(1) = size(tile)
-    do while (n_open > 0)
-      low = first(n_open)
-      high = last(n_open)
-      n_open = n_open - 1
-      if (high - low < max_points) then
-        n_tiles = n_tiles + 1
-        tile(order(low:high)) = n_tiles
-        cycle
-      end if
-      axis = longest_axis(place(:, order(low:high)))
-      call sort_integers(order(low:high))            ! equal coordinates are ordered by their index
-      order(low:high) = order(low - 1 + ascending_order(place(axis, order(low:high))))
-      middle = (low + high) / 2
-      first(n_open + 1:n_open + 2) = [middle + 1, low]
-      last(n_open + 1:n_open + 2) = [high, middle]
-      n_open = n_open + 2
-    end do
-  end subroutine partition_points
-
-
-  !> The axis of the longest side of the bounding box.
-  pure integer function longest_axis(place) result(axis)
-    real(DP), intent(in) :: place(:, :)            !< (3, n) [length]
-    axis = maxloc(maxval(place, dim=2) - minval(place, dim=2), dim=1)
-  end function longest_axis
-
 
   !> Factorises the tangent on each tile. The threads share the tiles; the result does not depend on their number.
   subroutine factorise_tiles(parts, tiles, error)

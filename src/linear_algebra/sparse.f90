@@ -6,7 +6,7 @@
 !! Every sum has a fixed order: results repeat bitwise (for a given number of threads where threads are used).
 !! Working arrays and linear-time algorithms after Davis, Direct Methods for Sparse Linear Systems, SIAM 2006, ch. 2.
 module amontons_sparse
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER, EXIT_INTERNAL
   use amontons_containers, only: sort_integers
 !$ use omp_lib, only: omp_get_max_threads
@@ -18,6 +18,7 @@ module amontons_sparse
   public :: analyse_reduction, reduce_matrix, is_same_pattern
 
   integer, parameter :: MIN_THREADED_ENTRIES = 200000   !< entries below which threads cost more than they save
+  integer, parameter :: ROWS_PER_BLOCK = 16384          !< rows of a pattern that a thread lists at a time
 
   !> A sparse matrix by compressed rows. Row i holds the entries first(i) to first(i + 1) - 1.
   type :: sparse_type
@@ -492,39 +493,73 @@ contains
   end subroutine analyse_reduction
 
 
-  !> The pattern of C' K C: row a of A has the columns of row j of C for all j coupled by K with an i that depends on a.
+  !> The pattern of C' K C: row a of A has the columns of row j of C for all j coupled by K with an i that depends on a. The threads
+  !! share blocks of rows.
   subroutine reduced_pattern(matrix, transformation, reduced, error)
     type(sparse_type), intent(in) :: matrix, transformation
     type(sparse_type), intent(out) :: reduced
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: dependents, mirrored
-    type(growing_list_type) :: above
-    integer :: seen(transformation%n_columns), a, d
+    type(growing_list_type), allocatable :: blocks(:)   ! columns of A in a block of rows
+    integer :: a, k, n
     mirrored = mirror_entries(matrix, transformation)
     dependents = sparse_transpose(transformation)
-    reduced%n_rows = transformation%n_columns
-    reduced%n_columns = transformation%n_columns
-    allocate (reduced%first(transformation%n_columns + 1))
-    call above%reserve(size(matrix%column))
-    seen = 0
-    do a = 1, transformation%n_columns
-      reduced%first(a) = above%n + 1
-      seen(a) = a
-      call above%append(a)
-      do d = dependents%first(a), dependents%first(a + 1) - 1
-        call append_columns_above(matrix, dependents%column(d), transformation, a, seen, above)
-        call append_columns_above(mirrored, dependents%column(d), transformation, a, seen, above)
-      end do
-      if (above%is_full) then
-        call set_too_large(error)
-        return
-      end if
-      call sort_integers(above%items(reduced%first(a):above%n))
+    n = transformation%n_columns
+    reduced%n_rows = n
+    reduced%n_columns = n
+    allocate (reduced%first(n + 1), blocks((n + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK))
+    !$omp parallel
+    call list_columns(matrix, mirrored, dependents, transformation, reduced%first, blocks)
+    !$omp end parallel
+    if (any(blocks%is_full) .or. sum(int(blocks%n, I64)) >= int(huge(n), I64)) then
+      call set_too_large(error)
+      return
+    end if
+    reduced%first(1) = 1
+    do a = 1, n
+      reduced%first(a + 1) = reduced%first(a) + reduced%first(a + 1)
     end do
-    reduced%first(transformation%n_columns + 1) = above%n + 1
-    call above%to_array(reduced%column)
-    allocate (reduced%value(above%n), source=0.0_DP)
+    allocate (reduced%column(reduced%first(n + 1) - 1), reduced%value(reduced%first(n + 1) - 1))
+    !$omp parallel do schedule(static) private(a)
+    do k = 1, size(blocks)
+      a = reduced%first((k - 1) * ROWS_PER_BLOCK + 1)
+      reduced%column(a:a + blocks(k)%n - 1) = blocks(k)%items(:blocks(k)%n)
+      reduced%value(a:a + blocks(k)%n - 1) = 0.0_DP
+      deallocate (blocks(k)%items)
+    end do
+    !$omp end parallel do
   end subroutine reduced_pattern
+
+
+  !> One thread's share of the blocks. (A procedure: gfortran 12 frees no allocatable variable of a block within a parallel region.)
+  subroutine list_columns(matrix, mirrored, dependents, transformation, n_entries, blocks)
+    type(sparse_type), intent(in) :: matrix         !< K
+    type(sparse_type), intent(in) :: mirrored       !< its transposed entries
+    type(sparse_type), intent(in) :: dependents     !< C'
+    type(sparse_type), intent(in) :: transformation !< C
+    integer, intent(inout) :: n_entries(:)          !< (n_columns + 1) entries of row a of A behind a; the first is not set
+    type(growing_list_type), intent(inout) :: blocks(:)
+    integer, allocatable :: seen(:)
+    integer :: k, a, d, last, n_before
+    allocate (seen(transformation%n_columns), source=0)
+    !$omp do schedule(dynamic)
+    do k = 1, size(blocks)
+      last = min(k * ROWS_PER_BLOCK, transformation%n_columns)
+      call blocks(k)%reserve(size(matrix%column) / size(blocks) + ROWS_PER_BLOCK)
+      do a = (k - 1) * ROWS_PER_BLOCK + 1, last
+        n_before = blocks(k)%n
+        seen(a) = a
+        call blocks(k)%append(a)
+        do d = dependents%first(a), dependents%first(a + 1) - 1
+          call append_columns_above(matrix, dependents%column(d), transformation, a, seen, blocks(k))
+          call append_columns_above(mirrored, dependents%column(d), transformation, a, seen, blocks(k))
+        end do
+        n_entries(a + 1) = blocks(k)%n - n_before
+        call sort_integers(blocks(k)%items(n_before + 1:blocks(k)%n))
+      end do
+    end do
+    !$omp end do
+  end subroutine list_columns
 
 
   !> The transposed entries of K that the upper triangle of A needs: those that touch an unknown which is not direct. The columns of
@@ -602,29 +637,42 @@ contains
   end subroutine append_columns_above
 
 
-  !> The targets of the entries of K whose row and column have one entry of C each.
-  pure subroutine find_single_targets(matrix, transformation, reduced, reduction)
+  !> The targets of the entries of K whose row and column have one entry of C each. The threads share the rows.
+  subroutine find_single_targets(matrix, transformation, reduced, reduction)
     type(sparse_type), intent(in) :: matrix, transformation, reduced
     type(reduction_type), intent(inout) :: reduction
-    integer :: only(matrix%n_rows)             ! the one column of a row of C, else 0
-    integer :: place(transformation%n_columns)       ! position of a column in row a of A
-    integer :: i, p, a, b
+    integer, allocatable :: only(:)            ! the one column of a row of C, else 0
     only = single_entry_columns(transformation)
     allocate (reduction%target(size(matrix%column)))
-    reduction%target = 0
-    place = 0
+    !$omp parallel
+    call find_targets_of_rows(matrix, reduced, only, reduction%target)
+    !$omp end parallel
+  end subroutine find_single_targets
+
+
+  !> One thread's share of the rows. (A procedure: gfortran 12 frees no allocatable variable of a block within a parallel region.)
+  subroutine find_targets_of_rows(matrix, reduced, only, target)
+    type(sparse_type), intent(in) :: matrix, reduced
+    integer, intent(in) :: only(:)             !< (n_rows) the one column of a row of C, else 0
+    integer, intent(inout) :: target(:)        !< (n_entries)
+    integer, allocatable :: place(:)           ! position of a column in row a of A
+    integer :: i, p, a, b
+    allocate (place(reduced%n_columns), source=0)
+    !$omp do schedule(static)
     do i = 1, matrix%n_rows
       a = only(i)
+      target(matrix%first(i):matrix%first(i + 1) - 1) = 0
       if (a == 0) cycle
       call mark_row(reduced, a, place)
       do p = matrix%first(i), matrix%first(i + 1) - 1
         b = only(matrix%column(p))
         if (b == 0) cycle
-        reduction%target(p) = find_target(reduced, a, b, place)
-        if (a == b .and. matrix%column(p) /= i) reduction%target(p) = -reduction%target(p)
+        target(p) = find_target(reduced, a, b, place)
+        if (a == b .and. matrix%column(p) /= i) target(p) = -target(p)
       end do
     end do
-  end subroutine find_single_targets
+    !$omp end do
+  end subroutine find_targets_of_rows
 
 
   !> The column of each row that has exactly one entry, else 0.

@@ -14,7 +14,7 @@ module amontons_model_check
   use amontons_containers, only: integer_list_type
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_SPRINGA, N_KINDS
   use amontons_element, only: evaluate_element_volume, ELEMENT_OK
-  use amontons_mesh, only: wall_ratios
+  use amontons_mesh, only: mesh_type, wall_ratios
   use amontons_loads, only: equation_type, load_value, integrated_velocity, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, &
     DISTRIBUTED_CENTRIFUGAL, &
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
@@ -87,23 +87,36 @@ contains
     type(model_type), intent(in) :: model
     type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type) :: bad
-    real(DP) :: volume
-    integer :: e, status
-    logical :: has_volume
-    associate (mesh => model%mesh)
-      do e = 1, mesh%n_elements
-        associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
-            wall_ratios(mesh, e))
-        end associate
-        has_volume = mesh%point_first(e + 1) > mesh%point_first(e)
-        if (status /= ELEMENT_OK .or. (has_volume .and. .not. volume > 0.0_DP)) call bad%add(mesh%element_label(e))
-      end do
-    end associate
+    logical, allocatable :: is_sound(:)
+    integer :: e
+    allocate (is_sound(model%mesh%n_elements))
+    !$omp parallel do schedule(static)
+    do e = 1, model%mesh%n_elements
+      is_sound(e) = has_sound_volume(model%mesh, e)
+    end do
+    !$omp end parallel do
+    do e = 1, model%mesh%n_elements
+      if (.not. is_sound(e)) call bad%add(model%mesh%element_label(e))
+    end do
     if (bad%n > 0) call report_error(report, 'The volume of ' // counted_noun('element', bad%trimmed(), 'is', 'is') // &
       ' zero or negative at an integration point. Check the order of the nodes (the first face counts round the ' // &
       'direction to the opposite one by the right-hand rule), and move nodes that make an element fold or collapse.')
   end subroutine check_volumes
+
+
+  !> Whether the volume of an element is positive at all of its integration points; true without such points.
+  pure logical function has_sound_volume(mesh, e) result(is_sound)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element
+    real(DP) :: volume
+    integer :: status
+    associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+      call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
+        wall_ratios(mesh, e))
+    end associate
+    is_sound = status == ELEMENT_OK
+    if (mesh%point_first(e + 1) > mesh%point_first(e)) is_sound = is_sound .and. volume > 0.0_DP
+  end function has_sound_volume
 
 
   !> Finds elements without a material, materials without *ELASTIC, and gravity on elements without density.

@@ -28,7 +28,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 17
+  integer(I64), parameter :: FORMAT_VERSION = 18
   integer(I64), parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
   integer(I64), parameter :: N_BUFFER_WORDS = 131072            !< words of a piece of the file
 
@@ -675,18 +675,28 @@ contains
   end subroutine exchange_matrix
 
 
-  !> Reals, in pieces that fit into the cache.
+  !> Reals, in pieces that fit into the cache, each behind a word: 1, or 0 for a piece of zeros, of which no more is written. Fields
+  !! of a job that begins, or of laws that it does not have, take no space.
   subroutine exchange_reals(packer, n, values)
     class(packer_type), intent(inout) :: packer
     integer(I64), intent(in) :: n
     real(DP), intent(inout) :: values(n)
     integer, parameter :: N_PIECE = 4096
     integer(I64) :: words(N_PIECE), first, last, n_now
+    logical :: has_values
     do first = 1, n, int(N_PIECE, I64)
       last = min(first + N_PIECE - 1, n)
       n_now = last - first + 1
-      if (packer%is_packing) words(:n_now) = transfer(values(first:last), words(:n_now))
-      call exchange_words(packer, words(:n_now))
+      if (packer%is_packing) then
+        words(:n_now) = transfer(values(first:last), words(:n_now))
+        has_values = any(words(:n_now) /= 0_I64)     ! bits: -0 is a value
+      end if
+      call packer%exchange(has_values)
+      if (has_values) then
+        call exchange_words(packer, words(:n_now))
+      else
+        words(:n_now) = 0_I64
+      end if
       if (.not. packer%is_packing .and. packer%is_valid) values(first:last) = transfer(words(:n_now), values(first:last))
     end do
   end subroutine exchange_reals

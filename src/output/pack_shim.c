@@ -112,6 +112,18 @@ static void flush_bits(bit_writer *self)
   self->n &= 7;
 }
 
+/* Ends a block, whose end is written, at a byte boundary: by a stored block without bytes. Returns the place behind it. */
+static unsigned char *align(bit_writer *self)
+{
+  flush_bits(self);
+  put_bits(self, 0, 3);
+  put_bits(self, 0, (8 - self->n % 8) % 8);
+  flush_bits(self);
+  put_bits(self, 0xffff0000u, 32);
+  flush_bits(self);
+  return self->to;
+}
+
 /* Lengths of the Huffman codes for counts, at most LONGEST; 0 for symbols that do not occur. */
 static void code_lengths(const uint32_t *count, unsigned char *length)
 {
@@ -193,12 +205,37 @@ static size_t encode(const unsigned char *plane, size_t n, unsigned char *to)
   for (; i < n; i++) put_bits(&writer, code[plane[i]], length[plane[i]]);
   flush_bits(&writer);
   put_bits(&writer, code[SYMBOLS - 1], length[SYMBOLS - 1]);
-  put_bits(&writer, 0, 3);                      /* a stored block without bytes, which starts at a byte boundary */
-  put_bits(&writer, 0, (8 - writer.n % 8) % 8);
+  return (size_t)(align(&writer) - to);
+}
+
+/* n equal bytes, as one block of the fixed codes of RFC 1951: the byte, repetitions of it with length 258 and distance 1 (codes 11000101
+ * and 00000), and what remains byte by byte. Returns the length. */
+static size_t repeat(unsigned char byte, size_t n, unsigned char *to)
+{
+  bit_writer writer = {to, 0, 0};
+  unsigned bits = byte < 144 ? 8 : 9;
+  uint32_t code = byte < 144 ? 0x30u + byte : 0x190u + (byte - 144u), turned = 0;
+  for (unsigned k = 0; k < bits; k++) turned |= (code >> k & 1) << (bits - 1 - k);
+  put_bits(&writer, 1 << 1, 3);
+  put_bits(&writer, turned, bits);
   flush_bits(&writer);
-  put_bits(&writer, 0xffff0000u, 32);
-  flush_bits(&writer);
-  return (size_t)(writer.to - to);
+  for (size_t k = 0; k < (n - 1) / 258; k++) {
+    put_bits(&writer, 0xa3, 13);
+    flush_bits(&writer);
+  }
+  for (size_t k = 0; k < (n - 1) % 258; k++) {
+    put_bits(&writer, turned, bits);
+    flush_bits(&writer);
+  }
+  put_bits(&writer, 0, 7); /* the end of the block */
+  return (size_t)(align(&writer) - to);
+}
+
+/* Adler's checksum of n equal bytes. */
+static uLong adler_of_equal(unsigned char byte, size_t n)
+{
+  uint64_t a = 1 + (uint64_t)n * byte, b = n + (uint64_t)n * (n + 1) / 2 % MODULUS * byte;
+  return (uLong)(b % MODULUS) << 16 | (uLong)(a % MODULUS);
 }
 
 /* Compresses the planes one by one into one zlib stream (RFC 1950): threads share them, and the result does not depend on the threads.
@@ -207,14 +244,20 @@ static size_t pack(const uint64_t *values, size_t n, unsigned char *packed, size
 {
   size_t length[BYTES] = {0};
   uLong sum[BYTES];
-#pragma omp parallel if(n > WORTH_THREADS)
+  int is_constant = memcmp(values, values + 1, (n - 1) * sizeof *values) == 0; /* the fields before the first increment */
+#pragma omp parallel if(n > WORTH_THREADS && !is_constant)
   {
-    unsigned char *plane = malloc(n);
+    unsigned char *plane = is_constant ? NULL : malloc(n);
 #pragma omp for schedule(dynamic)
     for (int j = 0; j < BYTES; j++) {
+      unsigned char *to = packed + HEAD + (size_t)j * capacity;
+      if (is_constant) {
+        length[j] = repeat((unsigned char)(values[0] >> 8 * j), n, to);
+        sum[j] = adler_of_equal((unsigned char)(values[0] >> 8 * j), n);
+        continue;
+      }
       if (!plane) continue;
       gather(values, n, j, plane);
-      unsigned char *to = packed + HEAD + (size_t)j * capacity;
       double bits = entropy(plane, n);
       length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, capacity);
       if (length[j] == 0) length[j] = store(plane, n, to);

@@ -95,11 +95,13 @@ contains
     if (present(is_calculix)) is_as_there = is_calculix
     is_made = .false.
     averages = 0
+    if (.not. any(values /= 0.0_DP)) return       ! before the first increment; NaN differs
     n_elements_at = 0
+    kind = 0
     do e = 1, mesh%n_elements
       if (is_absent(e)) cycle
+      if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
       kind = mesh%kind(e)
-      entry = element_kind(kind)
       if (entry%family >= FAMILY_SPRING) then
         if (is_as_there .and. entry%n_nodes == 2) call count_spring(mesh, e, n_elements_at)
         cycle
@@ -170,20 +172,31 @@ contains
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
     real(DP), intent(out) :: errors(:)             !< (n_nodes) [%]
     real(DP) :: scatter(mesh%n_nodes)              ! largest spread of the elements at a corner [-]
-    integer :: e, a, n, n_corners, pass, nodes(MAX_ELEMENT_NODES), ends(2, MAX_ELEMENT_NODES)
+    real(DP), allocatable :: spread(:)             ! (n_elements) [-]
+    integer :: e, a, n, n_corners, pass, kind, nodes(MAX_ELEMENT_NODES), ends(2, MAX_ELEMENT_NODES)
     type(element_kind_type) :: entry
     scatter = 0
     errors = 0
+    allocate (spread(mesh%n_elements), source=0.0_DP)
+    !$omp parallel do schedule(static)
+    do e = 1, mesh%n_elements
+      if (is_absent(e) .or. mesh%point_first(e + 1) == mesh%point_first(e)) cycle
+      spread(e) = stress_spread(stress(:, mesh%point_first(e):mesh%point_first(e + 1) - 1))
+    end do
+    !$omp end parallel do
+    kind = 0
     do pass = 1, 3
       do e = 1, mesh%n_elements
-        entry = element_kind(mesh%kind(e))
+        if (mesh%kind(e) /= kind) then
+          kind = mesh%kind(e)
+          entry = element_kind(kind)
+          if (entry%family <= FAMILY_AXISYMMETRIC) call find_edges(entry, n_corners, ends)
+        end if
         if (is_absent(e) .or. entry%family > FAMILY_AXISYMMETRIC) cycle
         call element_nodes(mesh, e, n, nodes)
-        call find_edges(entry, n_corners, ends)
         select case (pass)
         case (1)
-          scatter(nodes(:n_corners)) = max(scatter(nodes(:n_corners)), &
-            stress_spread(stress(:, mesh%point_first(e):mesh%point_first(e + 1) - 1)))
+          scatter(nodes(:n_corners)) = max(scatter(nodes(:n_corners)), spread(e))
         case (2)
           errors(nodes(:n_corners)) = max(errors(nodes(:n_corners)), error_from_spread(mesh%kind(e), scatter(nodes(:n_corners))))
         case (3)

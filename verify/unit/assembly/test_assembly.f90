@@ -242,7 +242,7 @@ contains
     integer :: g, i, k, e
     logical :: is_apart
     call make_block(KIND_C3D8, 10, model, state, assembly)
-    call suite%that('order: two parts', assembly%n_parts == 2 .and. assembly%n_groups > 2)
+    call suite%that('order: four parts', assembly%n_parts == 4 .and. assembly%n_groups > 2)
     call suite%that('order: each once', all([(any(assembly%element_order == e), e=1, 1000)]) .and. &
       size(assembly%element_order) == 1000)
     allocate (owner(model%mesh%n_nodes))

@@ -39,7 +39,7 @@ program test_assembly_plan
   is_met = .false.
   is_met(whole%element_order) = .true.
   call suite%that('all elements once', all(is_met) .and. size(whole%element_order) == N_ELEMENTS)
-  call suite%that('two parts', whole%n_parts == 2)
+  call suite%that('four parts', whole%n_parts == 4)
   call suite%that('of one rank', all([(is_own_element(whole, e), e=1, N_ELEMENTS)]))
 
   call create_assembly(deferred, mesh, error, is_deferred=.true.)

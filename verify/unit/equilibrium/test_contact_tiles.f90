@@ -1,4 +1,4 @@
-!> Tests of tiles: even tiles that cover all points once, corrections against LAPACK with an unsymmetric tangent, the same bits for
+!> Tests of tiles: corrections against LAPACK with an unsymmetric tangent, the same bits for
 !! any number of threads.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_contact_tiles
@@ -6,38 +6,16 @@ program test_contact_tiles
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose
   use amontons_dense, only: solve_small
-  use amontons_contact_tiles, only: tangent_parts_type, tile_type, partition_points, factorise_tiles, correct_tiles
+  use amontons_contact_tiles, only: tangent_parts_type, tile_type, factorise_tiles, correct_tiles
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   integer :: k
   call random_seed(put=[(17 * k, k=1, 64)])
-  call test_cuts()
   call test_corrections()
   call suite%finish()
 
 contains
-
-  !> Every point has a tile, none is too large, and halves of a grid are halves.
-  subroutine test_cuts()
-    real(DP) :: place(3, 640)
-    integer :: tile(640), n_tiles, i, members
-    place = reshape([(real(mod(i, 32), DP), real(i / 32, DP), 0.0_DP, i=0, 639)], [3, 640])
-    call partition_points(place, 64, tile, n_tiles)
-    call suite%that('every point lies in a tile', &
-      minval(tile) == 1 .and. maxval(tile) == n_tiles)
-    do i = 1, n_tiles
-      members = count(tile == i)
-      call suite%that('a tile is neither empty nor too large', &
-      members > 0 .and. members <= 64)
-    end do
-    call suite%that('halves of halves: 640 points in 16 tiles of 40', &
-      n_tiles == 16)
-    call partition_points(place(:, :0), 64, tile(:0), n_tiles)
-    call suite%that('no point, no tile', &
-      n_tiles == 0)
-  end subroutine test_cuts
-
 
   !> x_F = inv(T_F' ((1 + D_R) K - D_u) T_F) r_F with dense matrices.
   subroutine test_corrections()

@@ -143,27 +143,43 @@ contains
 
 
   !> Blocks compressed by pack_shim.c and decompressed by HDF5. The eight byte planes contain noise, one value, two, runs of
-  !! sixteen, and bytes each twice as frequent as the previous one, whose Huffman codes would be longer than deflate allows.
+  !! sixteen, and bytes each twice as frequent as the previous one, whose Huffman codes would be longer than deflate allows. Equal
+  !! values have codes of their own: of small bytes and of large ones, and runs of deflate's longest repetition, more and less.
   subroutine test_packing(suite)
     type(suite_type), intent(inout) :: suite
-    integer, parameter :: LENGTHS(3) = [1000, 46367, 200000]
+    integer, parameter :: LENGTHS(3) = [1000, 46367, 200000], EQUAL_LENGTHS(5) = [2, 258, 259, 260, 100000]
+    real(DP), parameter :: EQUAL_VALUES(4) = [0.0_DP, -0.0_DP, 293.15_DP, -3.7e200_DP]
+    integer :: k, i
+    do k = 1, size(LENGTHS)
+      call check_packing(suite, mixed_words(LENGTHS(k)))
+    end do
+    do k = 1, size(EQUAL_LENGTHS)
+      do i = 1, size(EQUAL_VALUES)
+        call check_packing(suite, spread(transfer(EQUAL_VALUES(i), 0_int64), 1, EQUAL_LENGTHS(k)))
+      end do
+    end do
+  end subroutine test_packing
+
+
+  !> One block, there and back.
+  subroutine check_packing(suite, words)
+    type(suite_type), intent(inout) :: suite
+    integer(int64), intent(in) :: words(:)
     type(hdf5_file_type) :: store
     type(hdf5_table_type) :: table
     type(error_type), allocatable :: error
-    integer(int64), allocatable :: words(:), found(:)
-    integer :: k
-    do k = 1, size(LENGTHS)
-      words = mixed_words(LENGTHS(k))
-      call create_hdf5(store, 'packed.h5', error)
-      call create_table(store, table, '/packed', hdf5_layout_type(width=1, n_rows_hint=LENGTHS(k)), '[-]', 'Bytes.', error)
-      call append_rows(store, table, reshape(transfer(words, [0.0_DP]), [1, LENGTHS(k)]), error)
-      call close_hdf5(store, error)
-      call expect(suite, 'pack', error)
-      found = transfer(reals_of('packed.h5', '/packed', LENGTHS(k)), found)
-      call suite%that('packed and unpacked to the bit', size(found) == size(words))
-      if (size(found) == size(words)) call suite%that('the same bits', all(found == words))
-    end do
-  end subroutine test_packing
+    integer(int64), allocatable :: found(:)
+    integer :: n
+    n = size(words)
+    call create_hdf5(store, 'packed.h5', error)
+    call create_table(store, table, '/packed', hdf5_layout_type(width=1, n_rows_hint=n), '[-]', 'Bytes.', error)
+    call append_rows(store, table, reshape(transfer(words, [0.0_DP]), [1, n]), error)
+    call close_hdf5(store, error)
+    call expect(suite, 'pack', error)
+    found = transfer(reals_of('packed.h5', '/packed', n), found)
+    call suite%that('packed and unpacked to the bit', size(found) == size(words))
+    if (size(found) == size(words)) call suite%that('the same bits', all(found == words))
+  end subroutine check_packing
 
 
   !> Words whose bytes are distributed in different ways; no NaN and no infinity.
