@@ -72,7 +72,7 @@ module amontons_reduced_system
     logical :: is_iteration_abandoned = .false.               !< the iterative solver did not converge
     integer :: use = USE_ONCE                      !< USE_...; USE_SKIN: the factor is kept in single precision
     logical :: is_current = .false.                !< the factor is that of the present K and C
-    logical :: is_reusable = .false.               !< it is that of an earlier iteration of the present attempt
+    logical :: is_reusable = .false.               !< it, or the preconditioner, is of an earlier iteration of the attempt
     character(:), allocatable :: message              !< the choice, for the log; not allocated: nothing to report
     type(sparse_type) :: analysed_map              !< C of the last factor; of its pattern reduction and factor were analysed
     type(sparse_type) :: analysed_with_springs           !< the pattern of K with springs; not allocated without springs

@@ -1,9 +1,10 @@
 !> Flexible GMRES and conjugate gradients with a general operator and preconditioner.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Both measure the true residual b - A x in the 2-norm, never the preconditioned one. Sums have a fixed order: results repeat
-!! bitwise. Nothing they return is ever NaN: after a breakdown, x is the best iterate so far. Conjugate gradients work on parts of
-!! vectors, too, if the operator completes sums over its part to sums over all of them (`complete`).
+!! Both measure the true residual b - A x in the 2-norm; conjugate gradients also in the norm of the preconditioner, if a direction
+!! may be inexact (`energy_tolerance`). Sums have a fixed order: results repeat bitwise. Nothing they return is ever NaN: after a
+!! breakdown, x is the best iterate so far. Conjugate gradients work on parts of vectors, too, if the operator completes sums over
+!! its part to sums over all of them (`complete`).
 !! References: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 6.5, 6.7, 9.4;
 !! Sleijpen and van der Vorst, Computing 56 (1996) 141 (residuals computed anew);
 !! Saad, SIAM J. Sci. Comput. 14 (1993) 461 (flexible GMRES); Giraud and Langou, IMA J. Numer. Anal. 22 (2002) 521.
