@@ -268,7 +268,8 @@ static PetscErrorCode choose(solver *self)
     {"-amontons_mg_levels_pc_type", "jacobi"}, {"-amontons_mg_levels_ksp_max_it", "2"},
     {"-amontons_pc_hypre_boomeramg_coarsen_type", "HMIS"}, {"-amontons_pc_hypre_boomeramg_interp_type", "ext+i"},
     {"-amontons_pc_hypre_boomeramg_strong_threshold", "0.5"}, {"-amontons_mat_mumps_icntl_13", "1"},
-    {"-amontons_mat_mumps_icntl_24", "1"}}; /* the last two: MUMPS counts all pivots, null ones too */
+    {"-amontons_mat_mumps_icntl_24", "1"}, /* these two: MUMPS counts all pivots, null ones too */
+    {"-matptap_via", "allatonce"}};        /* the other products of coarse matrices add by the arrival of messages */
   PC pc;
   for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)
     PetscCall(PetscOptionsSetValue(NULL, settings[k][0], settings[k][1]));

@@ -210,13 +210,14 @@ def test_conjugate_gradients(tmp_path: Path, preconditioner: str) -> None:
 
 
 @pytest.mark.parametrize("solver", ["", "GAMG", "HYPRE"])
-def test_same_bits_twice(tmp_path: Path, solver: str) -> None:
-    """Three ranks twice: all bits of displacements and reactions."""
+def test_same_bits_again(tmp_path: Path, solver: str) -> None:
+    """Three ranks, five times: all bits of displacements and reactions. Sums by the arrival of messages differ in every other run."""
     deck = with_solver(deck_of(Model(3)), solver)
-    first, second = (run(tmp_path / name, deck, 3) for name in ("first", "second"))
+    first = run(tmp_path / "first", deck, 3)
     assert first.code == 0, first.text
-    for name, values in first.fields.items():
-        assert values.tobytes() == second.fields[name].tobytes()
+    for k in range(4):
+        again = run(tmp_path / f"again{k}", deck, 3)
+        assert [name for name, values in first.fields.items() if values.tobytes() != again.fields[name].tobytes()] == []
 
 
 def test_serial_program_refuses(tmp_path: Path) -> None:
