@@ -5,6 +5,7 @@ module amontons_deck_general_contact
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, report_error, check_n_fields, is_card
+  use amontons_deck_structure, only: is_shell
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, general_contact_type
   use amontons_text, only: is_one_of, name_key, parse_real, NUMBER_OK
@@ -177,25 +178,69 @@ contains
     integer, intent(in) :: c
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    character(:), allocatable :: word
-    integer :: surface, status
-    real(DP) :: value
+    character(:), allocatable :: word, property
+    integer :: surface
     logical :: is_ok
     call open_card(reader, c, parameters, row)
+    property = parameter_word(parameters, 'PROPERTY', '')
     do while (next_row(reader%cards, row))
       call read_surface(reader, model, row, 1, surface, is_ok)
-      if (.not. is_one_of(parameter_word(parameters, 'PROPERTY', ''), 'THICKNESS|OFFSETFRACTION')) cycle
+      if (.not. (is_ok .and. is_one_of(property, 'THICKNESS|OFFSETFRACTION'))) cycle
       word = name_key(field_text(reader%cards, row, 2))
-      call parse_real(word, value, status)
-      if (word == '' .or. is_one_of(word, 'ORIGINAL|THINNING|SPOS|SNEG')) cycle
-      if (status == NUMBER_OK) then
-        if (abs(value) <= 0.0_DP) cycle
+      if (has_shells(model, surface)) then
+        call check_shell_property(reader, row, property)
+      else if (.not. (word == '' .or. is_one_of(word, 'ORIGINAL|THINNING|SPOS|SNEG') .or. is_value(word, 0.0_DP))) then
+        call report_error(reader, row%line, 'The second field is ''' // field_text(reader%cards, row, 2) // '''. The faces of ' // &
+          'solids have no thickness and lie where the mesh is: ORIGINAL or 0. is allowed. Move the nodes, or give the pair a ' // &
+          '*CLEARANCE.')
       end if
-      call report_error(reader, row%line, 'The second field is ''' // field_text(reader%cards, row, 2) // '''. The faces of ' // &
-        'solids have no thickness and lie where the mesh is: ORIGINAL or 0. is allowed. Move the nodes, or give the pair a ' // &
-        '*CLEARANCE.')
     end do
   end subroutine read_surface_properties
+
+
+  !> Shells touch with the faces of their section: their thickness is that of the section, and so is its place.
+  subroutine check_shell_property(reader, row, property)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    character(*), intent(in) :: property         !< THICKNESS or OFFSETFRACTION
+    character(:), allocatable :: word, factor
+    logical :: is_original
+    word = name_key(field_text(reader%cards, row, 2))
+    factor = field_text(reader%cards, row, 3)
+    is_original = word == '' .or. word == 'ORIGINAL'
+    if (property == 'THICKNESS') is_original = (is_original .or. word == 'THINNING') .and. &
+      (factor == '' .or. is_value(factor, 1.0_DP))
+    if (.not. is_original) call report_error(reader, row%line, 'The fields are ''' // trim(field_text(reader%cards, row, 2) // &
+      ' ' // factor) // '''. Shells touch with the faces that their *SHELL SECTION gives them: ORIGINAL is allowed. Change ' // &
+      'thickness or OFFSET there, or give a pair a *CLEARANCE.')
+  end subroutine check_shell_property
+
+
+  !> Whether a surface, or the whole exterior, has faces of shells.
+  pure logical function has_shells(model, surface)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: surface               !< index; 0: the whole exterior
+    integer :: i
+    if (surface == 0) then
+      has_shells = any([(is_shell(model, i), i=1, model%mesh%n_elements)])
+    else
+      associate (elements => model%surfaces(surface)%element)
+        has_shells = any([(is_shell(model, elements(i)), i=1, size(elements))])
+      end associate
+    end if
+  end function has_shells
+
+
+  !> Whether a field is this number.
+  pure logical function is_value(field, value)
+    character(*), intent(in) :: field
+    real(DP), intent(in) :: value                !< with a short binary fraction
+    real(DP) :: number
+    integer :: status
+    call parse_real(field, number, status)
+    is_value = status == NUMBER_OK
+    if (is_value) is_value = abs(number - value) <= 0.0_DP
+  end function is_value
 
 
   !> The two surfaces of a row. A first one that is left out is the whole exterior, a second one is the first again.

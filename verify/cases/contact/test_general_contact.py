@@ -88,3 +88,35 @@ def test_motion(run: Run, tmp_path: Path) -> None:
         u = np.asarray(file["VTKHDF/PointData/U"])[-n:]
         assert np.asarray(file["VTKHDF/PointData/CPRESS"])[-n:].max() > 0
     assert -3.05 < u[:3, 1].min() < -2.95, "the corners of the foot on the block, which gives way a little"
+
+
+def shell_over_shell(cards: str) -> str:
+    """Two plates of S4, 0.2 thick, their middles 0.3 apart."""
+    deck = ""
+    for first, height in ((1, 0.0), (11, 0.3)):
+        corners = ((0, 0), (1, 0), (1, 1), (0, 1))
+        deck += "*NODE\n" + "".join(f"{first + i}, {x}, {y}, {height}\n" for i, (x, y) in enumerate(corners))
+        name = "LOW" if first == 1 else "UP"
+        deck += f"*ELEMENT, TYPE=S4, ELSET={name}\n{first}, {first}, {first + 1}, {first + 2}, {first + 3}\n"
+        deck += f"*SHELL SECTION, ELSET={name}, MATERIAL=M\n.2\n"
+        deck += f"*SURFACE, NAME={name}_FACE\n{name}, {'SPOS' if first == 1 else 'SNEG'}\n"
+        deck += f"*NSET, NSET={name}_NODES, GENERATE\n{first}, {first + 3}\n*BOUNDARY\n{name}_NODES, 1, 3\n"
+    material = "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
+    return material + deck + "*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n" + cards + "*STEP\n*STATIC\n*END STEP\n"
+
+
+@pytest.mark.parametrize(("row", "is_allowed"), [
+    ("THICKNESS\n, ORIGINAL", True),
+    ("THICKNESS\nUP_FACE, THINNING, 1.", True),
+    ("OFFSET FRACTION\n, ORIGINAL", True),
+    ("THICKNESS\n, ORIGINAL, 0.5", False),
+    ("THICKNESS\nUP_FACE, 0.", False),
+    ("THICKNESS\nUP_FACE, 0.1", False),
+    ("OFFSET FRACTION\nUP_FACE, SPOS", False),
+])  # fmt: skip
+def test_thickness_of_shells(run_deck: Run, row: str, is_allowed: bool) -> None:
+    """Shells touch with the faces of their section: another thickness or place is an error, not read past."""
+    done = run_deck(shell_over_shell(f"*SURFACE PROPERTY ASSIGNMENT, PROPERTY={row}\n"), "--check")
+    text = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert (done.returncode == 0) is is_allowed, text
+    assert ("Shells touch with the faces that their *SHELL SECTION gives them" in text) is not is_allowed
