@@ -196,9 +196,9 @@ contains
       call report_error(reader, line, who // 'has both rubber or deformation plasticity and *PLASTIC or *CREEP; give one.')
     if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic_hardening)) call report_error(reader, line, who // &
       'has *CREEP with kinematic hardening, which is not supported; use isotropic hardening.')
-    if ((allocated(material%kinematic_hardening) .or. material%creep_law /= CREEP_NONE) .and. (material%elastic_kind == &
-      ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC)) call report_error(reader, line, who // &
-      'has *CREEP or kinematic hardening with anisotropic elasticity, which is not supported; isotropic hardening is.')
+    if (allocated(material%kinematic_hardening) .and. (material%elastic_kind == ELASTIC_ORTHOTROPIC .or. &
+      material%elastic_kind == ELASTIC_ANISOTROPIC)) call report_error(reader, line, who // 'has kinematic hardening with ' // &
+      'anisotropic elasticity, which is not supported; isotropic hardening is.')
     if (is_rubber .and. allocated(material%expansion%value)) then
       if (size(material%expansion%value, 1) > 1) call report_error(reader, line, who // &
         'is rubber or foam with anisotropic expansion, which is not supported.')

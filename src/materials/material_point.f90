@@ -368,7 +368,7 @@ contains
   end subroutine map_return
 
 
-  !> Plastic flow with anisotropic elasticity; the reader admits only isotropic hardening here.
+  !> Plastic flow and creep with anisotropic elasticity; the reader admits only isotropic hardening here.
   pure subroutine return_with_anisotropy(material, moduli, elastic, point, status)
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
@@ -377,15 +377,16 @@ contains
     integer, intent(out) :: status                 !< STRESS_...
     type(anisotropic_return_type) :: response
     integer :: return_status
-    call map_anisotropic_return(material, moduli%C, elastic, table_argument(material, point), point%history_old(HISTORY_PEEQ), &
-      response, return_status)
+    call map_anisotropic_return(material, moduli%C, elastic, table_argument(material, point), [point%time, point%time_increment], &
+      point%history_old, response, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     point%stress = response%stress
     point%tangent = response%tangent
     point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + response%plastic
+    point%history(HISTORY_CEEQ) = point%history_old(HISTORY_CEEQ) + response%creep
     associate (inelastic => point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
-      inelastic(:3) = inelastic(:3) + response%plastic * response%flow(:3)
-      inelastic(4:) = inelastic(4:) + 0.5_DP * response%plastic * response%flow(4:)
+      inelastic(:3) = inelastic(:3) + (response%plastic + response%creep) * response%flow(:3)
+      inelastic(4:) = inelastic(4:) + 0.5_DP * (response%plastic + response%creep) * response%flow(4:)
     end associate
   end subroutine return_with_anisotropy
 

@@ -34,9 +34,10 @@ module amontons_plasticity
   !> Result of the return mapping with anisotropic elasticity.
   type :: anisotropic_return_type
     real(DP) :: plastic = 0                        !< dp, equivalent plastic strain of the increment [-]
+    real(DP) :: creep = 0                          !< dc, equivalent creep strain of the increment [-]
     real(DP) :: stress(6) = 0                      !< [stress]
     real(DP) :: tangent(6, 6) = 0                  !< engineering shears [stress]
-    real(DP) :: flow(6) = 0                        !< dq/dstress: plastic strain over dp, engineering shears [-]
+    real(DP) :: flow(6) = 0                        !< dq/dstress: inelastic strain over dp + dc, engineering shears [-]
     real(DP) :: q = 0                              !< von Mises stress [stress]
   end type anisotropic_return_type
 
@@ -278,72 +279,117 @@ contains
   end subroutine evaluate_ramberg_osgood
 
 
-  !> Von Mises's flow with isotropic hardening and any elasticity C: with the deviatoric projection P and g = 3 dp/(2 y),
+  !> Von Mises's flow with isotropic hardening, creep and any elasticity C: with the deviatoric projection P, the equivalent
+  !! inelastic strain w = dp + dc and g = 3 w/(2 q)
   !!
-  !!     stress = B e,   B = (1 + g C P)^-1 C,   e the elastic trial strain,   q(stress) = y(p + dp)
+  !!     stress = B e,   B = (1 + g C P)^-1 C,   e the elastic trial strain
   !!
-  !! one equation for dp, f = q - y descending. Its tangent is B less a product of B P stress with itself, symmetric.
-  pure subroutine map_anisotropic_return(material, C, e, temperature, p_old, solution, status)
+  !! one equation f(x) = q(stress) - q(x) = 0, f descending. Creep alone: x is q, and w = dc(q). Yielding: x is dp, q the yield
+  !! stress y(p + dp), and w = dp + dc(y). The tangent is B less a product of B P stress with itself, symmetric.
+  pure subroutine map_anisotropic_return(material, C, e, temperature, times, history_old, solution, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: C(6, 6)                !< elasticity, engineering shears [stress]
     real(DP), intent(in) :: e(6)                   !< elastic trial strain, engineering shears [-]
     real(DP), intent(in) :: temperature            !< [temperature]
-    real(DP), intent(in) :: p_old                  !< committed equivalent plastic strain [-]
+    real(DP), intent(in) :: times(2)               !< end and length of the increment [time]
+    real(DP), intent(in) :: history_old(MAX_HISTORY)      !< committed
     type(anisotropic_return_type), intent(out) :: solution
+    integer, intent(out) :: status                 !< RETURN_...
+    type(return_problem_type) :: problem
+    real(DP) :: yield, slope
+    status = RETURN_OK
+    problem = return_problem_type(G=0, q_trial=0, temperature=temperature, time=times(1), dt=times(2), &
+      p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
+    call set_anisotropic_stress(C, e, 0.0_DP, solution)
+    problem%q_trial = solution%q
+    if (material%creep_law /= CREEP_NONE .and. times(2) > 0 .and. problem%q_trial > 0) then
+      call evaluate_table(material%creep, temperature, problem%creep)
+      call solve_anisotropic_flow(material, problem, C, e, .false., solution, status)
+    end if
+    if (status /= RETURN_OK .or. .not. allocated(material%isotropic_hardening)) return
+    call evaluate_yield_stress(material, problem, 0.0_DP, yield, slope)
+    if (solution%q > yield * (1 + TOL_YIELD)) call solve_anisotropic_flow(material, problem, C, e, .true., solution, status)
+  end subroutine map_anisotropic_return
+
+
+  !> f(x) = 0: x between 0 and the trial's q for creep alone, above 0 for yielding.
+  pure subroutine solve_anisotropic_flow(material, problem, C, e, is_yielding, solution, status)
+    type(material_type), intent(in) :: material
+    type(return_problem_type), intent(in) :: problem
+    real(DP), intent(in) :: C(6, 6), e(6)
+    logical, intent(in) :: is_yielding             !< else creep alone
+    type(anisotropic_return_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
     type(root_search_type) :: search
     real(DP) :: f, df
     integer :: i
-    status = RETURN_OK
-    call evaluate_anisotropic_flow(material, C, e, temperature, p_old, 0.0_DP, solution, f, df)
-    if (f <= TOL_YIELD * (solution%q - f)) then
-      solution%tangent = C
-      return
-    end if
-    search%scale = norm2(e)                        ! what rounding is measured by
+    search%scale = merge(norm2(e), problem%q_trial, is_yielding)        ! what rounding is measured by
+    if (.not. is_yielding) search%high = problem%q_trial
     status = RETURN_FAILED
+    call evaluate_anisotropic_flow(material, problem, C, e, search%x, is_yielding, solution, f, df)
     do i = 1, MAX_ROOT_ITERATIONS
       if (.not. df < 0) return
       call improve_root(search, -f, -df)
-      call evaluate_anisotropic_flow(material, C, e, temperature, p_old, search%x, solution, f, df)
+      call evaluate_anisotropic_flow(material, problem, C, e, search%x, is_yielding, solution, f, df)
       if (.not. search%is_found) cycle
       status = RETURN_OK
       return
     end do
-  end subroutine map_anisotropic_return
+  end subroutine solve_anisotropic_flow
 
 
-  !> Stress and tangent after a plastic increment, and the residual of the yield condition.
-  pure subroutine evaluate_anisotropic_flow(material, C, e, temperature, p_old, p, solution, f, df)
+  !> Stress and tangent at x, and the residual of its equation.
+  pure subroutine evaluate_anisotropic_flow(material, problem, C, e, x, is_yielding, solution, f, df)
     type(material_type), intent(in) :: material
-    real(DP), intent(in) :: C(6, 6), e(6), temperature, p_old
-    real(DP), intent(in) :: p                      !< plastic increment [-]
+    type(return_problem_type), intent(in) :: problem
+    real(DP), intent(in) :: C(6, 6), e(6)
+    real(DP), intent(in) :: x                      !< von Mises stress [stress], or plastic increment [-]
+    logical, intent(in) :: is_yielding
     type(anisotropic_return_type), intent(inout) :: solution
-    real(DP), intent(out) :: f, df                 !< q - y and its slope [stress]
-    real(DP) :: yield, slope, g, g_slope, B(6, 6), M(6, 6), Bn(6)
+    real(DP), intent(out) :: f, df                 !< residual [stress] and its slope
+    real(DP) :: q, slope, creep, creep_slope, w, g, g_slope, Bn(6)
     integer :: k
-    call evaluate_curves(material%isotropic_hardening, temperature, p_old + p, yield, slope)
-    g = 1.5_DP * p / yield
-    g_slope = 1.5_DP * (1 - p * slope / yield) / yield
+    q = x
+    slope = 1
+    if (is_yielding) call evaluate_yield_stress(material, problem, x, q, slope)
+    call evaluate_creep_increment(material, problem, q, slope, creep, creep_slope)
+    solution%plastic = merge(x, 0.0_DP, is_yielding)
+    solution%creep = creep
+    w = solution%plastic + creep
+    g = 0
+    g_slope = 0
+    if (q > 0) then
+      g = 1.5_DP * w / q
+      g_slope = 1.5_DP * (merge(1.0_DP, 0.0_DP, is_yielding) + creep_slope - w * slope / q) / q
+    end if
+    call set_anisotropic_stress(C, e, g, solution)
+    Bn = matmul(solution%tangent, solution%flow)
+    f = solution%q - q
+    df = -g_slope * solution%q / 1.5_DP * dot_product(solution%flow, Bn) - slope
+    do k = 1, 6
+      solution%tangent(:, k) = solution%tangent(:, k) + (g_slope * solution%q / (1.5_DP * df) * Bn(k)) * Bn
+    end do
+  end subroutine evaluate_anisotropic_flow
+
+
+  !> The stress B e of a given g with its von Mises stress and direction of flow, and B as its tangent.
+  pure subroutine set_anisotropic_stress(C, e, g, solution)
+    real(DP), intent(in) :: C(6, 6), e(6)
+    real(DP), intent(in) :: g                      !< 3 w/(2 q) [1/stress]
+    type(anisotropic_return_type), intent(inout) :: solution
+    real(DP) :: M(6, 6)
+    integer :: k
     do k = 1, 6
       M(k, :) = g * deviatoric(C(k, :))            ! C is symmetric: rows of C P
       M(k, k) = M(k, k) + 1
     end do
-    B = C
-    call solve_voigt_system(M, B)
-    solution%plastic = p
-    solution%stress = matmul(B, e)
+    solution%tangent = C
+    call solve_voigt_system(M, solution%tangent)
+    solution%stress = matmul(solution%tangent, e)
     solution%q = sqrt(1.5_DP * dot_product(solution%stress, deviatoric(solution%stress)))
     solution%flow = 0
-    Bn = 0
     if (solution%q > 0) solution%flow = 1.5_DP / solution%q * deviatoric(solution%stress)
-    Bn = matmul(B, solution%flow)
-    f = solution%q - yield
-    df = -g_slope * solution%q / 1.5_DP * dot_product(solution%flow, Bn) - slope
-    do k = 1, 6
-      solution%tangent(:, k) = B(:, k) + (g_slope * solution%q / (1.5_DP * df) * Bn(k)) * Bn
-    end do
-  end subroutine evaluate_anisotropic_flow
+  end subroutine set_anisotropic_stress
 
 
   !> P: the deviator of a stress with its shears doubled, so that its product with a stress is one of tensors.

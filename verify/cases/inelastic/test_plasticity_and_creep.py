@@ -294,6 +294,32 @@ def test_primary_creep(run_deck: Run, tmp_path: Path, law: str, amplitude: str) 
     assert u == pytest.approx(creep + stress / 150000, rel=tolerance)
 
 
+@pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
+@pytest.mark.parametrize("law", ["TIME", "STRAIN"])
+def test_creep_of_an_orthotropic_block(run_deck: Run, tmp_path: Path, dialect: str, law: str) -> None:
+    """Constant pulls along y and z on a block whose elasticity is orthotropic and whose creep is von Mises's: the elastic strains
+    are those of the compliance, and creep adds A q^n T^(m+1)/(m+1) times 3/2 s/q, s the deviator (closed form)."""
+    a, n, m, period = 1e-6, 3.0, -0.3, 10.0
+    young, nu = (1000.0, 800.0, 600.0), {(0, 1): 0.3, (0, 2): 0.25, (1, 2): 0.2}
+    pull = (0.0, 12.0, 30.0)
+    cards = f"** dialect: {dialect}\n*NODE, NSET=ALL\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n"
+    cards += "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=TOP\n7\n*MATERIAL, NAME=M\n"
+    cards += f"*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1000., 800., 600., .3, .25, .2, 400., 300.\n250.\n*CREEP, LAW={law}\n{a}, {n}, {m}\n"
+    cards += "*SOLID SECTION, ELSET=E, MATERIAL=M\n*BOUNDARY\n1, 1, 3\n4, 1\n5, 1, 2\n8, 1\n2, 2, 3\n6, 2\n3, 3\n4, 3\n"
+    cards += f"*STEP, INC=1000\n*VISCO\n1., {period}, 1e-6, 1.\n{FINE}*DLOAD\nE, P2, {-pull[2]}\nE, P5, {-pull[1]}\n"
+    done = run_deck(cards + "*NODE PRINT, NSET=TOP\nU\n*END STEP\n")
+    assert done.returncode == 0, done.stdout + done.stderr
+    q = ((pull[1] ** 2 + pull[2] ** 2 + (pull[2] - pull[1]) ** 2) / 2) ** 0.5
+    growth = a * q**n * period ** (m + 1) / (m + 1)
+    if dialect == "calculix" and law == "TIME":  # the rate at the end of each increment, as there
+        growth = a * q**n * sum(time**m for time in range(1, 11))
+    mean = sum(pull) / 3
+    u = read_dat(tmp_path / "job.dat")[-1].rows[(7,)]
+    for i in range(3):
+        elastic = pull[i] / young[i] - sum(nu[min(i, k), max(i, k)] / young[min(i, k)] * pull[k] for k in range(3) if k != i)
+        assert u[i] == pytest.approx(elastic + 1.5 * growth * (pull[i] - mean) / q, rel=1e-5)
+
+
 def test_creep_acts_at_once_under_calculix(run_deck: Run, tmp_path: Path) -> None:
     """The calculix dialect has the same default: at the end of the first of 100 increments a hundredth of the creep is there."""
     cards = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*NSET, NSET=END\n2\n*ELEMENT, TYPE=T3D2, ELSET=ALL\n1, 1, 2\n"

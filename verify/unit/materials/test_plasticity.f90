@@ -19,6 +19,7 @@ program test_plasticity
   call check_creep_and_yield()
   call check_ramberg_osgood()
   call check_anisotropic()
+  call check_anisotropic_creep()
   call suite%finish()
 
 contains
@@ -194,33 +195,78 @@ contains
   subroutine check_anisotropic()
     type(material_type) :: material
     type(anisotropic_return_type) :: s, plus, minus
-    real(DP) :: C(6, 6), e(6), de(6), q_trial
+    real(DP) :: C(6, 6), e(6), de(6), q_trial, history(MAX_HISTORY)
     integer :: status, k, crystal
     real(DP), parameter :: STEP = 1.0e-7_DP
     material = metal(.true., .false.)
+    history = 0
+    history(HISTORY_PEEQ) = 0.01_DP
     C = isotropic_tangent(120000.0_DP, G)
     e = [0.004_DP, -0.001_DP, 0.0005_DP, 0.003_DP, -0.001_DP, 0.002_DP]
     q_trial = von_mises(matmul(C, e))
-    call map_anisotropic_return(material, C, e, 0.0_DP, 0.01_DP, s, status)
+    call map_anisotropic_return(material, C, e, 0.0_DP, [1.0_DP, 0.0_DP], history, s, status)
     call suite%near('anisotropic: dp', s%plastic, (q_trial - Y0 - 0.01_DP * H_ISO) / (3 * G + H_ISO), 1.0e-13_DP)
     call suite%near('anisotropic: pressure', sum(s%stress(:3)), sum(matmul(C(:3, :), e)), 1.0e-8_DP)
     call suite%near('anisotropic: q', von_mises(s%stress), Y0 + H_ISO * (0.01_DP + s%plastic), 1.0e-8_DP)
     call suite%near('anisotropic: the flow is a deviator', sum(s%flow(:3)), 0.0_DP, 1.0e-14_DP)
     do crystal = 1, 2
       if (crystal == 2) C(4, 4) = 2.5_DP * C(4, 4)
-      call map_anisotropic_return(material, C, e, 0.0_DP, 0.01_DP, s, status)
+      call map_anisotropic_return(material, C, e, 0.0_DP, [1.0_DP, 0.0_DP], history, s, status)
       call suite%near('stress = C (e - dp n)', norm2(s%stress - matmul(C, e - s%plastic * s%flow)), 0.0_DP, 1.0e-8_DP)
       do k = 1, 6
         de = 0
         de(k) = STEP
-        call map_anisotropic_return(material, C, e + de, 0.0_DP, 0.01_DP, plus, status)
-        call map_anisotropic_return(material, C, e - de, 0.0_DP, 0.01_DP, minus, status)
+        call map_anisotropic_return(material, C, e + de, 0.0_DP, [1.0_DP, 0.0_DP], history, plus, status)
+        call map_anisotropic_return(material, C, e - de, 0.0_DP, [1.0_DP, 0.0_DP], history, minus, status)
         call suite%near('anisotropic: tangent', norm2(s%tangent(:, k) - (plus%stress - minus%stress) / (2 * STEP)), 0.0_DP, &
           1.0e-6_DP * norm2(C))
       end do
     end do
-    call map_anisotropic_return(material, C, 0.01_DP * e, 0.0_DP, 0.0_DP, s, status)
+    call map_anisotropic_return(material, C, 0.01_DP * e, 0.0_DP, [1.0_DP, 0.0_DP], 0 * history, s, status)
     call suite%that('anisotropic: elastic', status == RETURN_OK .and. s%plastic == 0 .and. all(s%tangent == C))
   end subroutine check_anisotropic
+
+
+  !> Creep with anisotropic elasticity, alone and with yielding: the radial return where C is isotropic, rate and yield condition
+  !! for a cubic crystal, and the tangent by differences.
+  subroutine check_anisotropic_creep()
+    type(material_type) :: material
+    type(return_mapping_type) :: radial
+    type(anisotropic_return_type) :: s, plus, minus
+    real(DP) :: C(6, 6), e(6), de(6), history(MAX_HISTORY)
+    integer :: status, k, crystal, law, yields
+    real(DP), parameter :: STEP = 1.0e-7_DP, TIMES(2) = [3.0_DP, 2.0_DP]
+    e = [0.004_DP, -0.001_DP, 0.0005_DP, 0.003_DP, -0.001_DP, 0.002_DP]
+    history = 0
+    history(HISTORY_CEEQ) = 2.0e-4_DP
+    do law = CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
+      do yields = 0, 1
+        material = metal(yields == 1, .false.)
+        call add_creep(material, law, [1.0e-13_DP, 4.0_DP, -0.4_DP])
+        C = isotropic_tangent(120000.0_DP, G)
+        radial = solve(material, von_mises(matmul(C, e)), 0.0_DP, history(HISTORY_CEEQ))
+        call map_anisotropic_return(material, C, e, 0.0_DP, TIMES, history, s, status)
+        call suite%near('anisotropic creep: dp', s%plastic, radial%plastic, 1.0e-13_DP)
+        call suite%near('anisotropic creep: dc', s%creep, radial%creep, 1.0e-13_DP)
+        call suite%that('anisotropic creep: it flows', s%creep > 1.0e-5_DP .and. (s%plastic > 1.0e-5_DP .eqv. yields == 1))
+        do crystal = 1, 2
+          if (crystal == 2) C(4, 4) = 2.5_DP * C(4, 4)
+          call map_anisotropic_return(material, C, e, 0.0_DP, TIMES, history, s, status)
+          call suite%that('anisotropic creep: status', status == RETURN_OK)
+          call suite%near('stress = C (e - (dp + dc) n)', norm2(s%stress - matmul(C, e - (s%plastic + s%creep) * s%flow)), 0.0_DP, &
+            1.0e-7_DP)
+          if (yields == 1) call suite%near('yield', von_mises(s%stress), Y0 + H_ISO * s%plastic, 1.0e-7_DP)
+          do k = 1, 6
+            de = 0
+            de(k) = STEP
+            call map_anisotropic_return(material, C, e + de, 0.0_DP, TIMES, history, plus, status)
+            call map_anisotropic_return(material, C, e - de, 0.0_DP, TIMES, history, minus, status)
+            call suite%near('anisotropic creep: tangent', norm2(s%tangent(:, k) - (plus%stress - minus%stress) / (2 * STEP)), &
+              0.0_DP, 1.0e-6_DP * norm2(C))
+          end do
+        end do
+      end do
+    end do
+  end subroutine check_anisotropic_creep
 
 end program test_plasticity
