@@ -149,7 +149,7 @@ uses_mortar_linearization = kinds element_kinds facets contact_constraint_rows m
 
 # state
 uses_state = kinds tensor element_kinds materials mesh steps user_elements model logarithmic_strain material_point shape_functions friction_slip_scenarios slave_node_overrides
-uses_model_change = mesh model state
+uses_model_change = kinds materials mesh model state
 uses_user_state = kinds errors tensor element_kinds loads user_routines materials mesh model element_integration_points shape_functions element state
 
 # assembly

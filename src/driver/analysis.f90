@@ -29,7 +29,7 @@ module amontons_analysis
   use amontons_slave_nodes, only: accumulate_slip
   use amontons_user_element_forces, only: begin_user_elements, user_strain_energy, user_inelastic_work
   use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
-  use amontons_model_change, only: activate_elements
+  use amontons_model_change, only: activate_elements, relieve_elements
   use amontons_model_setup, only: set_up_model
   use amontons_user_routine_setup, only: call_external_databases, handle_user_messages, update_user_amplitudes, &
     restore_user_amplitudes
@@ -44,7 +44,7 @@ module amontons_analysis
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
   use amontons_globalization, only: delay_snap_through
   use amontons_newton, only: begin_newton, iterate
-  use amontons_postprocess, only: add_inelastic_work
+  use amontons_postprocess, only: add_inelastic_work, mechanical_strain
   use amontons_active_set_history, only: count_changed_statuses
   use amontons_increment_control, only: attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
     reject_increment, can_cut_back, &
@@ -360,6 +360,8 @@ contains
     analysis%state%old%total_time = analysis%stepping%total_time   ! a step may set the clock
     call select_step_loads(analysis%driven_loads, analysis%model, analysis%stepping%step)
     call activate_elements(analysis%model, analysis%stepping%step, analysis%state)
+    if (allocated(analysis%model%steps(analysis%stepping%step)%is_relieved)) call relieve_elements(analysis%model, &
+      analysis%stepping%step, mechanical_strain(analysis%model, analysis%state%old), analysis%state)
     call begin_step(analysis%system, analysis%model, analysis%driven_loads%step, analysis%state, error)
     call analysis%system%clock%read(PHASE_PLANNING)
     if (.not. allocated(error)) call call_external_databases(analysis%model, LOP_STEP_START, analysis%state%old)
@@ -709,8 +711,8 @@ contains
   pure logical function has_energy_balance(step)
     type(step_type), intent(in) :: step
     has_energy_balance = .not. (step%is_dynamic .or. step%is_riks .or. step%has_creep .or. allocated(step%is_inactive) .or. &
-      allocated(step%is_reactivated) .or. allocated(step%material) .or. allocated(step%is_removed) .or. &
-      allocated(step%interference) .or. allocated(step%is_shrink_fit))
+      allocated(step%is_reactivated) .or. allocated(step%is_relieved) .or. allocated(step%material) .or. &
+      allocated(step%is_removed) .or. allocated(step%interference) .or. allocated(step%is_shrink_fit))
     if (has_energy_balance .and. allocated(step%temperatures)) has_energy_balance = size(step%temperatures) == 0
   end function has_energy_balance
 

@@ -288,6 +288,8 @@ contains
     call table%option('ADD', VALUE_OPTIONAL_WORD, 'Puts back; elements start free of strain where their nodes are then, or ' // &
       'with the strain since the start of the job.', allowed='STRAIN FREE|WITH STRAIN', default='STRAIN FREE')
     call table%option('REMOVE', VALUE_NONE, 'Takes out; nodes without elements then stay where they are.')
+    call table%option('MECHSTRAINTORESIDUAL', VALUE_NONE, 'Calculix dialect, TYPE=ELEMENT alone: the elements stay, and their ' // &
+      'stress goes as the step begins; strain counts from there.')
     call table%card('CHANGE MATERIAL', SCOPE_STEP, 'Changes a material from this step on; CHANGE PLASTIC follows.')
     call table%option('NAME', VALUE_NAME, 'The material.', default='required')
     call table%card('CHANGE PLASTIC', SCOPE_STEP, 'Changes the hardening curve from this step on.', parent='CHANGE MATERIAL', &
@@ -482,7 +484,8 @@ contains
     call table%option('CYCLIC MODE|REGION TYPE', VALUE_TEXT, 'Write the forces themselves.', status=ENTRY_REJECTED)
 
     call table%card('DLOAD', SCOPE_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
-      'rotation and body forces.', data='element or element set, P1 to P6, pressure; or surface, P, pressure; or ' // &
+      'rotation and body forces.', data='element or element set, P1 to P6, pressure; calculix dialect: P1NP to P6NP, ' // &
+      'node, whose prescribed displacement 2 is the pressure; or surface, P, pressure; or ' // &
       'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
       'x, y, z and direction x, y, z of the axis; BX, BY, BZ or BR, force per volume; without a region the whole model')
     call describe_distributed(table)

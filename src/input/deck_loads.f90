@@ -319,12 +319,14 @@ contains
           'force per area in a direction, or TRSHR, its part along the surface; it is ''' // label // '''.')
       else if (face_number(strip_nu(label), 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
+      else if (reader%dialect == DIALECT_CALCULIX .and. is_one_of(label, 'P1NP|P2NP|P3NP|P4NP|P5NP|P6NP')) then
+        call read_node_pressure(reader, model, row, active_loads)
       else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ|BR')) then
         call read_volume_load(reader, model, row, amplitude, active_loads)
       else
         call report_error(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
-          'surface), each with NU for one by the routine DLOAD, GRAV (gravity), CENTRIF (rotation) or BX, BY, BZ, BR (force ' // &
-          'per volume); it is ''' // label // '''.')
+          'surface), each with NU for one by the routine DLOAD, P1NP to P6NP (calculix dialect: that of a node), GRAV ' // &
+          '(gravity), CENTRIF (rotation) or BX, BY, BZ, BR (force per volume); it is ''' // label // '''.')
       end if
     end do
   end subroutine read_dload
@@ -553,6 +555,38 @@ contains
       verb(n_without, 'takes', 'take') // ' no load ' // label // '; tetrahedra have 4 faces (P1 to P4), wedges 5, ' // &
       'hexahedra 6; shells take P and EDNOR1 to EDNOR4.')
   end subroutine read_face_pressure
+
+
+  !> Row: element or element set, P1NP to P6NP, node: the pressure is the second displacement prescribed at this node, the
+  !! pressure of a gas in CalculiX.
+  subroutine read_node_pressure(reader, model, row, active_loads)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    type(active_loads_type), intent(inout) :: active_loads
+    integer, allocatable :: elements(:), nodes(:)
+    character(:), allocatable :: label
+    type(element_kind_type) :: entry
+    integer :: face, i
+    logical :: is_ok, has_face
+    is_ok = .true.
+    call check_n_fields(reader, row, 3)
+    call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+    call nodes_of_field(reader, model%mesh, row, 3, nodes, is_ok)
+    if (.not. is_ok) return
+    call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
+    label = name_key(field_text(reader%cards, row, 2))
+    face = face_number(label(:2), 'P')
+    has_face = size(nodes) == 1
+    do i = 1, size(elements)
+      entry = element_kind(model%mesh%kind(elements(i)))
+      has_face = has_face .and. face <= entry%n_faces
+      if (allocated(model%structure)) has_face = has_face .and. model%structure%section(elements(i)) == 0
+      if (has_face) call add_load(6 * elements(i) - 6 + face, 0.0_DP, 0, active_loads%step, active_loads%is_step, &
+        active_loads%pressures, node=nodes(1))
+    end do
+    if (.not. has_face) call report_error(reader, row%line, 'P1NP to P6NP need one node, and elements of solids with this face.')
+  end subroutine read_node_pressure
 
 
   !> The pressure on a face over the value of the load: of EDNORn, a force per length, the inverse of the thickness.

@@ -294,7 +294,8 @@ contains
     type(model_type), intent(inout) :: model
     logical :: has_past, has_temperature
     integer :: m, i
-    has_past = allocated(model%initial_history) .or. allocated(model%initial_stress)
+    has_past = allocated(model%initial_history) .or. allocated(model%initial_stress) .or. &
+      any([(allocated(model%steps(i)%is_relieved), i=1, size(model%steps))])
     has_temperature = .false.
     if (allocated(model%initial_temperature)) has_temperature = .true.   ! the library may set others
     do i = 1, size(model%steps)

@@ -10,7 +10,8 @@ module amontons_deck_steps
     read_temperature, &
     get_step_temperatures, truncate_temperatures
   use amontons_deck_loads, only: read_boundary, read_cload, read_dload
-  use amontons_load_propagation, only: active_loads_type, init_active_loads, propagate_loads, get_step_loads, truncate_loads
+  use amontons_load_propagation, only: active_loads_type, init_active_loads, propagate_loads, set_node_pressures, &
+    get_step_loads, truncate_loads
   use amontons_deck_contact, only: read_contact_change
   use amontons_deck_output, only: output_requests_type, begin_output, read_output_card, set_output_times
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
@@ -25,11 +26,12 @@ module amontons_deck_steps
     INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_deck_user_elements, only: check_user_element_step
   use amontons_loads, only: concentrated_type
-  use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural
+  use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural, verb
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   use amontons_deck_materials, only: read_plastic
-  use amontons_materials, only: material_type
-  use amontons_element_kinds, only: KIND_SPRINGA
+  use amontons_materials, only: material_type, CREEP_NONE, ELASTIC_HYPER, ELASTIC_FOAM
+  use amontons_element_kinds, only: element_kind_type, element_kind, KIND_SPRINGA, FAMILY_SOLID, FAMILY_PLANE_STRAIN, &
+    FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC
   implicit none
   private
   public :: read_steps
@@ -150,6 +152,7 @@ contains
     progress%step%is_direct = .false.
     progress%step%is_total_time_set = .false.
     if (allocated(progress%step%is_reactivated)) deallocate (progress%step%is_reactivated)
+    if (allocated(progress%step%is_relieved)) deallocate (progress%step%is_relieved)
     if (allocated(progress%step%interference)) deallocate (progress%step%interference, progress%step%is_shrink_fit)
     progress%interaction = 0
     progress%material = 0
@@ -205,7 +208,7 @@ contains
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< a card after the step, or the last one
     type(step_reader_type), intent(inout) :: progress
-    integer :: k
+    integer :: k, missing
     logical :: is_after_path
     if (.not. progress%is_open) return
     progress%is_open = .false.
@@ -215,6 +218,9 @@ contains
     end do
     if (.not. (progress%has_static .or. progress%has_rejected_card)) call report_error(reader, reader%cards%cards(k)%line, &
       'This step has no *STATIC, *VISCO or *DYNAMIC card.')
+    call set_node_pressures(progress%active_loads, missing)
+    if (missing > 0) call report_error(reader, reader%cards%cards(k)%line, 'In this step no displacement 2 with a value is ' // &
+      'prescribed at the node ' // to_text(model%mesh%node_label(missing)) // ': it is the pressure of a load P1NP to P6NP.')
     call get_step_loads(progress%active_loads, progress%step%prescribed, progress%step%concentrated, &
       progress%step%distributed)
     if (progress%step%is_nlgeom .and. any(progress%step%concentrated%is_follower)) call check_follower_forces(reader, model, &
@@ -610,7 +616,10 @@ contains
     logical :: is_ok, is_removal, is_free
     call open_card(reader, c, parameters, row)
     is_removal = has_parameter(parameters, 'REMOVE')
-    if (has_parameter(parameters, 'ADD') .eqv. is_removal) then
+    if (has_parameter(parameters, 'MECHSTRAINTORESIDUAL') .and. .not. (has_parameter(parameters, 'ADD') .or. is_removal)) then
+      call read_relief(reader, model, c, step)
+      return
+    else if (has_parameter(parameters, 'ADD') .eqv. is_removal) then
       call report_error(reader, reader%cards%cards(c)%line, '*MODEL CHANGE needs either ADD or REMOVE.')
       return
     end if
@@ -637,6 +646,65 @@ contains
       ' had been taken out before.          ', ' had not been taken out, or are back.', is_removal)))
     if (all(step%is_inactive)) call report_error(reader, reader%cards%cards(c)%line, 'No element is left in the model.')
   end subroutine read_element_change
+
+
+  !> MODEL CHANGE, TYPE=ELEMENT, MECHSTRAINTORESIDUAL: the stress of elements goes, the strain that they have stays without one.
+  subroutine read_relief(reader, model, c, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: elements(:)
+    integer :: i, k, n_wrong
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    if (.not. allocated(step%is_relieved)) allocate (step%is_relieved(model%mesh%n_elements), source=.false.)
+    n_wrong = 0
+    do while (next_row(reader%cards, row))
+      do i = 1, row%n
+        is_ok = .true.
+        call elements_of_field(reader, model%mesh, row, i, elements, is_ok)
+        if (.not. is_ok) cycle
+        step%is_relieved(elements) = .true.
+        n_wrong = n_wrong + count([(.not. can_be_relieved(model, step, elements(k)), k=1, size(elements))])
+      end do
+    end do
+    associate (line => reader%cards%cards(c)%line)
+      if (.not. any(step%is_relieved)) call report_error(reader, line, '*MODEL CHANGE, TYPE=ELEMENT needs data lines with ' // &
+        'elements or element sets.')
+      if (reader%dialect /= DIALECT_CALCULIX) call report_error(reader, line, 'MECHSTRAINTORESIDUAL is a parameter of ' // &
+        'CalculiX: give the calculix dialect, or ADD=STRAIN FREE to elements taken out before.')
+      if (n_wrong > 0) call report_error(reader, line, 'MECHSTRAINTORESIDUAL is for solids with *ELASTIC alone; ' // &
+        plural(n_wrong, 'element') // ' here ' // verb(n_wrong, 'is', 'are') // ' no such solid.')
+      if (reader%step_of_card(c) == 1) return
+      if (step%is_nlgeom .and. .not. model%steps(reader%step_of_card(c) - 1)%is_nlgeom) call report_error(reader, line, 'With ' // &
+        'MECHSTRAINTORESIDUAL the step before must have NLGEOM as this one has it: their strains must be the same.')
+    end associate
+  end subroutine read_relief
+
+
+  !> Whether an element is a solid whose law is between strain and stress alone.
+  pure logical function can_be_relieved(model, step, e)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    integer, intent(in) :: e                     !< element
+    type(element_kind_type) :: kind
+    integer :: m
+    kind = element_kind(model%mesh%kind(e))
+    m = model%mesh%material(e)
+    if (allocated(step%material)) m = step%material(e)
+    can_be_relieved = m > 0 .and. any(kind%family == [FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC])
+    if (.not. can_be_relieved) return
+    if (allocated(model%structure)) can_be_relieved = model%structure%section(e) == 0
+    associate (material => model%materials(m))
+      can_be_relieved = can_be_relieved .and. material%has_elastic .and. .not. (allocated(material%isotropic_hardening) .or. &
+        allocated(material%kinematic_hardening) .or. material%creep_law /= CREEP_NONE .or. material%is_user .or. &
+        material%is_user_field .or. material%has_deformation_plasticity .or. any(material%elastic_kind == [ELASTIC_HYPER, &
+        ELASTIC_FOAM]))
+    end associate
+  end function can_be_relieved
 
 
   !> CHANGE SOLID SECTION: the elements of a set get another material from this step on.

@@ -9,6 +9,7 @@
 !! | kept from the last step | value at the end of that step | the same |
 !! | OP=NEW, not given again | displacement: released; load: value at the end of the last step | load: 0 |
 !! | STEP, AMPLITUDE=STEP | the value at the end | |
+!! | a pressure of a node (PnNP) | that of the second displacement prescribed at the node | |
 !! | with an amplitude | reference value times amplitude; continues only in total time | |
 module amontons_load_propagation
   use amontons_kinds, only: DP
@@ -20,7 +21,7 @@ module amontons_load_propagation
   private
   public :: active_loads_type, load_region_type, init_active_loads, propagate_loads, &
     truncate_loads, release_prescribed, prescribe_dof, &
-    ramp_down_loads, add_load, find_or_add_place, get_step_loads
+    ramp_down_loads, add_load, set_node_pressures, find_or_add_place, get_step_loads
   public :: LOAD_BOUNDARY, LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
 
   integer, parameter :: LOAD_BOUNDARY = 1, LOAD_CLOAD = 2, LOAD_DLOAD = 3, LOAD_VOLUME = 4
@@ -39,6 +40,7 @@ module amontons_load_propagation
     real(DP) :: before = 0                       !< value at the end of the step before
     logical :: is_active = .true.
     integer :: step = 0                          !< step that gave it last
+    integer :: node = 0                          !< the pressure is the second prescribed displacement of this node; 0: none
     integer :: next = 0                          !< next load at the same place
   end type active_load_type
 
@@ -180,7 +182,7 @@ contains
       force = forces%items(i)
       if (.not. force%is_active) cycle
       call freeze_load(model, period, total_time, force%load_type, force%before)
-      if (.not. (abs(force%end) > 0 .or. force%is_user)) cycle
+      if (.not. (abs(force%end) > 0 .or. force%is_user .or. force%node > 0)) cycle
       n = n + 1
       force%next = forces%head(force%key)
       forces%head(force%key) = n
@@ -267,6 +269,7 @@ contains
       associate (force => forces%items(i))
         if (force%step == step) cycle
         force%amplitude = 0
+        force%node = 0
         force%start = merge(0.0_DP, force%before, is_step)
         force%end = 0
         if (force%is_user) force%is_active = .false.   ! a magnitude by DLOAD cannot be ramped to zero
@@ -276,7 +279,7 @@ contains
 
 
   !> Adds a load: replaces those of earlier steps, adds to those of this step.
-  subroutine add_load(key, value, amplitude, step, is_step, forces, is_user)
+  subroutine add_load(key, value, amplitude, step, is_step, forces, is_user, node)
     integer, intent(in) :: key                   !< what it acts on
     real(DP), intent(in) :: value
     integer, intent(in) :: amplitude             !< 0: none
@@ -284,14 +287,17 @@ contains
     logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
     type(load_list_type), intent(inout) :: forces
     logical, intent(in), optional :: is_user     !< DLOAD gives the magnitude
+    integer, intent(in), optional :: node        !< a displacement prescribed at this node is the magnitude
     type(active_load_type), allocatable :: larger(:)
     type(active_load_type) :: new
     integer :: i
     if (present(is_user)) new%is_user = is_user
+    if (present(node)) new%node = node
     i = forces%head(key)
     do while (i > 0)
       associate (old => forces%items(i))
-        if (old%step == step .and. old%amplitude == amplitude .and. (old%is_user .eqv. new%is_user)) then
+        if (old%step == step .and. old%amplitude == amplitude .and. (old%is_user .eqv. new%is_user) .and. max(old%node, new%node) &
+          == 0) then
           old%end = old%end + value
           if (is_step .and. amplitude == 0) old%start = old%end
           return
@@ -318,6 +324,28 @@ contains
     forces%items(forces%n) = new
     forces%head(key) = forces%n
   end subroutine add_load
+
+
+  !> Gives the pressures of nodes the values of the step: those of the second displacement prescribed there.
+  subroutine set_node_pressures(active_loads, missing)
+    type(active_loads_type), intent(inout) :: active_loads
+    integer, intent(out) :: missing              !< a node at which none is prescribed, or one without a value; 0: none
+    integer :: i, p
+    missing = 0
+    do i = 1, active_loads%pressures%n
+      associate (force => active_loads%pressures%items(i))
+        if (force%node == 0 .or. .not. force%is_active) cycle
+        p = active_loads%prescribed_index(3 * force%node - 1)
+        if (p > 0) then
+          associate (held => active_loads%active_prescribed(p))
+            force%load_type = held%load_type
+            if (held%is_active .and. .not. (held%is_held .or. held%is_velocity .or. held%is_user)) cycle
+          end associate
+        end if
+        missing = force%node
+      end associate
+    end do
+  end subroutine set_node_pressures
 
 
   !> The place of a load on volumes or of a traction, added if it is new. Cost: constant in the mean, but for the places on one
@@ -413,6 +441,7 @@ contains
         distributed(n)%kind = DISTRIBUTED_PRESSURE
         distributed(n)%element = (force%key - 1) / 6 + 1
         distributed(n)%face = modulo(force%key - 1, 6) + 1
+        distributed(n)%node = force%node
       end associate
     end do
     do i = 1, active_loads%volumes%n

@@ -74,6 +74,7 @@ module amontons_loads
     real(DP) :: direction(3) = 0                 !< unit vector: of gravity, body forces and traction, or the axis of rotation
     logical :: is_follower = .false.            !< a traction defined to rotate with its face, which matters under NLGEOM
     real(DP) :: point(3) = 0                     !< a point of the axis of rotation [length]
+    integer :: node = 0                          !< whose prescribed displacement 2 the pressure is; 0: none
   end type distributed_type
 
   !> The temperature of a node.

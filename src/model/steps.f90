@@ -98,6 +98,7 @@ module amontons_steps
     logical, allocatable :: is_inactive(:)   !< (n_elements) elements removed; not allocated: none
     logical, allocatable :: is_reactivated(:)     !< (n_elements) elements added again in this step, free of strain; not allocated:
                                                   !! none
+    logical, allocatable :: is_relieved(:)   !< (n_elements) elements whose stress goes as this step begins; not allocated: none
     integer, allocatable :: material(:)    !< (n_elements) materials from this step on; not allocated: those of the sections
     logical, allocatable :: is_removed(:)  !< (n_pairs) pairs removed; not allocated: none
     real(DP), allocatable :: interference(:)   !< (n_pairs) overclosure allowed, ramped down over the step [length]

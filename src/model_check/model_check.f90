@@ -171,6 +171,11 @@ contains
     integer :: i, k
     allocate (was_loaded(model%mesh%n_nodes), was_held(model%mesh%n_nodes), source=.false.)
     do i = 1, size(model%steps)
+      associate (nodes => model%steps(i)%distributed%node)
+        was_held(pack(nodes, nodes > 0)) = .true.    ! their displacement is a pressure
+      end associate
+    end do
+    do i = 1, size(model%steps)
       do k = 1, size(model%steps(i)%concentrated)
         call add_node_once(model%steps(i)%concentrated(k)%node, was_loaded, loaded)
       end do

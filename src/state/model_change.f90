@@ -4,12 +4,14 @@
 !! MODEL CHANGE, TYPE=ELEMENT. The model data do not change: the inactive elements of a step, their materials and the valid
 !! equations follow from the step (is_out and material_in_step of amontons_model, last_step of an equation).
 module amontons_model_change
+  use amontons_kinds, only: DP
+  use amontons_materials, only: HISTORY_INELASTIC
   use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type
   use amontons_state, only: state_type, restore_state
   implicit none
   private
-  public :: activate_elements, find_unconnected_unknowns
+  public :: activate_elements, relieve_elements, find_unconnected_unknowns
 
 contains
 
@@ -33,6 +35,24 @@ contains
     end associate
     call restore_state(state)
   end subroutine activate_elements
+
+
+  !> The strains that elements have as a step begins, without the thermal ones, become strains without stress. Their laws are
+  !! of six strains, which the input admits alone.
+  subroutine relieve_elements(model, step, strain, state)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< index into model%steps
+    real(DP), intent(in) :: strain(:, :)           !< (6, n_points) committed mechanical strain, tensor components [-]
+    type(state_type), intent(inout) :: state       !< the committed history
+    integer :: e
+    associate (history => state%old%history, first => model%mesh%point_first)
+      do e = 1, model%mesh%n_elements
+        if (model%steps(step)%is_relieved(e)) history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5, first(e):first(e + 1) - 1) = &
+          strain(:, first(e):first(e + 1) - 1)
+      end do
+    end associate
+    call restore_state(state)
+  end subroutine relieve_elements
 
 
   !> The unknowns of nodes without elements, or whose elements are all inactive.

@@ -177,6 +177,11 @@ def flow_cases() -> Iterator[tuple[str, str]]:
     out = out.replace(", SDV", "")  # of creep laws CalculiX keeps fourteen values, the last one a rate
     for name, option in options("creep"):
         yield name, creeping + step(load + out, option) + step(out, option, "*VISCO, CETOL=.01\n.1, 10.\n")
+    # CalculiX passes over the exponent of time where the elasticity is anisotropic (each increment creeps as much): 0 here
+    crystal = "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n210000., 150000., 90000., .3, .25, .2, 80000., 60000.\n50000.\n"
+    yield "creep-orthotropic", creeping.replace("*ELASTIC\n210000., .3\n", crystal).replace("4., -.3", "4., 0.") + step(load + out) + step(
+        out, "", "*VISCO, CETOL=.001, DIRECT\n.1, 10.\n"
+    )
     for kind in ("CAX4", "CAX8R"):
         ring = Part("A", kind, (1, 0), (4, 1), (3, 2))
         model = bodies(ring) + "*MATERIAL, NAME=EL\n*HYPERELASTIC, NEO HOOKE\n5., .01\n" + sections("A") + "*BOUNDARY\nA_X0N, 1, 2\n"
@@ -284,7 +289,20 @@ def amplitude_cases() -> Iterator[tuple[str, str]]:
     yield "amplitude-displaced", model + "*INITIAL CONDITIONS, TYPE=DISPLACEMENT\nA_Z1N, 3, -.1\n" + step(press.format("") + PRINTS, NONLINEAR)
 
 
-FAMILIES = [output_cases, amplitude_cases, tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
+def changed_cases() -> Iterator[tuple[str, str]]:
+    """A bent bar whose stress goes and which is bent on; a face under the pressure of a node."""
+    body = Part("A", "C3D20R", (0, 0, 0), (3, 1, 1), (3, 2, 2))
+    model = bodies(body) + "*NODE\n900, 9., 9., 9.\n" + STEEL + sections("A") + "*BOUNDARY\nA_X0N, 1, 3\n"
+    static = "*STATIC, DIRECT\n.5, 1.\n"
+    bent, further = "*BOUNDARY\nA_X1N, 2, 2, .03\n", "*BOUNDARY\nA_X1N, 1, 1, .01\n"
+    relief = "*MODEL CHANGE, TYPE=ELEMENT, MECHSTRAINTORESIDUAL\nA\n"
+    yield "relieved", model + step(bent + PRINTS, NONLINEAR, static) + step(relief + further + PRINTS, NONLINEAR, static)
+    for name, option in options("node-pressure"):
+        faces = body.dload("X1", 900).replace(", 900", "NP, 900")
+        yield name, model + step("*BOUNDARY\n900, 2, 2, 50.\n*DLOAD\n" + faces + PRINTS, option, static)
+
+
+FAMILIES = [changed_cases, output_cases, amplitude_cases, tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
 
 
 def cases() -> dict[str, str]:

@@ -422,3 +422,34 @@ def test_creep_slows_down_by_the_end_of_the_increment(tables: Callable[..., list
     for i, block in enumerate([b for b in blocks if b.time > 0.1], start=1):
         expected += 1e-6 * 10.0**2 * (0.5 * i) ** -0.3 * 0.5
         assert list(block.rows.values())[0][0] == pytest.approx(expected, rel=1e-4)
+
+
+def test_pressure_of_a_node(tables: Callable[..., list[Block]]) -> None:
+    """PnNP: the second prescribed displacement of a node is the pressure on a face, by its amplitude and over the steps; OP=NEW
+    takes it away over the step. CalculiX has the same (its cube below shrinks by p/E, too)."""
+    text = CUBE + LINEAR + "*NODE\n99, 5., 5., 5.\n*AMPLITUDE, NAME=A\n0., 0., .5, 1., 1., .5\n"
+    end = "*EL PRINT, ELSET=E\nS\n*END STEP\n"
+    head = "*STEP, NLGEOM\n*STATIC, DIRECT\n.5, 1.\n"
+    text += head + "*BOUNDARY, AMPLITUDE=A\n99, 2, 2, 7.\n*DLOAD\nE, P2NP, 99\n" + end  # 7 at half the step, 3.5 at its end
+    text += head + "*BOUNDARY\n99, 2, 2, 1.5\n" + end  # from 3.5 to 1.5
+    text += head + end + head + "*DLOAD, OP=NEW\n" + end
+    wanted = [7.0, 3.5, 2.5, 1.5, 1.5, 1.5, 0.75, 0.0]
+    blocks = tables(text)
+    assert len(blocks) == len(wanted)
+    for block, pressure in zip(blocks, wanted, strict=True):
+        for row in block.rows.values():
+            assert row[2] == pytest.approx(-pressure, abs=0.01)  # Cauchy's stress, the pressure on the present face
+            assert abs(row[0]) + abs(row[1]) < 1e-4
+
+
+@pytest.mark.parametrize(("cards", "message"), [
+    ("*DLOAD\nE, P2NP, 99\n", "no displacement 2 with a value is prescribed at the node 99"),
+    ("*BOUNDARY, FIXED\n99, 2\n*DLOAD\nE, P2NP, 99\n", "no displacement 2 with a value is prescribed at the node 99"),
+    ("*BOUNDARY\n99, 2, 2, 7.\n*DLOAD\nE, P2NP, N\n", "need one node, and elements of solids"),
+    ("*BOUNDARY\n99, 2, 2, 7.\n*DLOAD\nE, P7NP, 99\n", "The second field must be P1 to P6"),
+])  # fmt: skip
+def test_pressure_of_a_node_refused(run_deck: Callable[..., object], cards: str, message: str) -> None:
+    """What gives no pressure."""
+    result = run_deck(CUBE + LINEAR + f"*NODE\n99, 5., 5., 5.\n*STEP\n*STATIC\n{cards}*END STEP\n", "--dialect=calculix")
+    assert result.returncode == 3  # type: ignore[attr-defined]
+    assert message in " ".join((result.stdout + result.stderr).split())  # type: ignore[attr-defined]

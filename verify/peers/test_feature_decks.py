@@ -23,7 +23,7 @@ CASES = feature_decks.cases() | joint_decks.cases() | behaviour_decks.cases()
 LINEAR, NONLINEAR = 2e-3, 1e-2
 RESIDUE = 1e-6
 SAMPLE = re.compile(r"output-(C3D8-|C3D10-global-no|sets|all)|amplitude-|tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
-                    r"flow-C3D8I|creep$|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)|"
+                    r"flow-C3D8I|creep$|creep-orthotropic|relieved|node-pressure|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)|"
                     r"stack-n|lap-(drawn|flush)-n|bore-CAX4|punch-tilted-n|dome-C3D(4|6)-n|out-and-in-s|slope-n")
 
 # Where the two differ, and why. A reason that begins with "CalculiX:" is an error of CalculiX (2.20); others are open here.

@@ -165,6 +165,44 @@ def test_changed_material(run_deck: Run, tmp_path: Path) -> None:
         assert later[(9,)][2] == pytest.approx(10 / YOUNG + 10 / (YOUNG / 4), rel=DIGITS)
 
 
+RELIEF = "*MODEL CHANGE, TYPE=ELEMENT, MECHSTRAINTORESIDUAL\nBOTH\n"
+
+
+@pytest.mark.parametrize("nlgeom", [False, True])
+@pytest.mark.parametrize("kind", ["C3D8", "C3D8I", "C3D8R"])
+def test_stress_goes_and_strain_stays(run_deck: Run, tmp_path: Path, kind: str, nlgeom: bool) -> None:
+    """MECHSTRAINTORESIDUAL: the stretch e_1 of the first step has no stress any more; then S = E (strain - strain_1), Green's
+    strain under NLGEOM (as CalculiX, whose stresses are these: verify/peers), and the warmth of the first step stays a strain."""
+    deck = steps("*BOUNDARY\nLID, 3, 3, .04\n*TEMPERATURE\nALL, 50.\n", RELIEF, "*BOUNDARY\nLID, 3, 3, .06\n", nlgeom=nlgeom)
+    deck = deck.replace("TYPE=C3D8,", f"TYPE={kind},").replace("*MATERIAL, NAME=SOFT", "*EXPANSION\n1e-5\n*MATERIAL, NAME=SOFT")
+    done = run_deck("** dialect: calculix\n" + deck.replace("*SOLID SECTION", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 0.\n*SOLID SECTION"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    stresses = read_blocks(tmp_path, "stresses")
+    first, warm = 0.02, 1e-5 * 50
+    assert stresses[1][(1, 1)][2] == pytest.approx(0.0, abs=1e-8 * YOUNG)
+    if nlgeom:
+        strain = [((1 + e) ** 2 - 1) / 2 for e in (first, 0.03)]
+        before, after = YOUNG * (strain[0] - (warm + warm**2 / 2)), YOUNG * (strain[1] - strain[0])
+        assert stresses[0][(1, 1)][2] == pytest.approx(before * (1 + first), rel=3 * warm), "a volume swollen by 3 a T"
+        assert stresses[2][(1, 1)][2] == pytest.approx(after * 1.03, rel=3 * warm)
+    else:
+        assert stresses[0][(1, 1)][2] == pytest.approx(YOUNG * (first - warm), rel=DIGITS)
+        assert stresses[2][(1, 1)][2] == pytest.approx(YOUNG * 0.01, rel=DIGITS)
+
+
+@pytest.mark.parametrize(("deck", "message"), [
+    (steps("", RELIEF), "is a parameter of CalculiX"),
+    ("** dialect: calculix\n" + steps("", RELIEF).replace("*MATERIAL, NAME=SOFT", "*PLASTIC\n9., 0.\n*MATERIAL, NAME=SOFT"), "*ELASTIC alone"),
+    ("** dialect: calculix\n" + steps("", RELIEF.replace("BOTH\n", "")), "needs data lines"),
+    ("** dialect: calculix\n" + "*STEP, NLGEOM".join(steps("", RELIEF).rsplit("*STEP", 1)), "the step before must have NLGEOM"),
+])  # fmt: skip
+def test_refused_relief(run_deck: Run, deck: str, message: str) -> None:
+    """Where the strain cannot be kept without stress."""
+    done = run_deck(deck)
+    assert done.returncode == 3, done.stdout
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
 @pytest.mark.parametrize(("card", "message"), [
     ("*MODEL CHANGE, TYPE=ELEMENT\n2\n", "either ADD or REMOVE"),
     ("*MODEL CHANGE, TYPE=ELEMENT, REMOVE\n", "needs data lines"),
