@@ -158,7 +158,7 @@ uses_assembly_plan = kinds containers errors sparse graph_partition point_partit
 uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model element hex8_simd state user_state unsymmetric_tangent assembly_plan
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly_plan assembly
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads
-uses_stabilization = kinds sparse mesh steps state
+uses_stabilization = kinds sparse mesh steps model elasticity state
 uses_user_element_forces = kinds user_routines steps user_elements model state assembly_plan
 
 # constraints
@@ -178,8 +178,8 @@ uses_contact_initialization = kinds containers errors element_kinds surfaces mod
 uses_contact_integration_points = kinds element_kinds model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives row_normals mortar mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds containers errors tensor sparse woodbury_interface contact_linearization
-uses_general_contact = kinds text containers loads materials mesh surfaces mpc_data model facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs
-uses_dependent_slaves = kinds text errors surfaces model tributary_areas constraints nonlinear_mpc general_contact
+uses_dependent_slaves = kinds text errors surfaces model elasticity tributary_areas constraints nonlinear_mpc
+uses_general_contact = kinds text containers loads mesh surfaces mpc_data model elasticity facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs
 uses_self_contact_pairs = kinds text element_kinds materials surfaces model exterior_surface mortar_segmentation general_contact
 uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation contact_pairs general_contact self_contact_pairs
 
@@ -201,7 +201,7 @@ uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps mode
 uses_model_check_bodies = kinds text errors element_kinds mesh model element
 uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
-uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state contact_pairs model_check_bodies model_check_contact rigid_modes
+uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state stabilization contact_pairs model_check_bodies model_check_contact rigid_modes
 uses_balanced_bodies = kinds text tensor loads model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion
 uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search general_contact model_check_bodies
 uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
@@ -238,10 +238,10 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
-uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization general_contact dependent_slaves self_contact_pairs balanced_bodies user_routine_setup
+uses_model_setup = kinds text errors logger loads model tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes unpaired_contact arc_length equilibrium model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes unpaired_contact arc_length equilibrium model_check_motion model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors element_kinds materials mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse mpi_ranks model friction_slip_scenarios state unsymmetric_tangent assembly equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

@@ -7,16 +7,20 @@
 !!     F = -c m du/dt,
 !!
 !! with one factor c for the whole model. The first increment of a step is not damped: its displacements define c such that a given
-!! fraction of the strain energy is dissipated if the step continues at the same rate.
+!! fraction of the strain energy is dissipated if the step continues at the same rate. Where nothing else holds a body, the first
+!! increment would have no solution: c then follows from the mean stiffness of the elements.
 module amontons_stabilization
   use amontons_kinds, only: DP
+  use amontons_elasticity, only: small_strain_modulus
   use amontons_mesh, only: mesh_type
+  use amontons_model, only: model_type, material_in_step
   use amontons_sparse, only: sparse_type
   use amontons_steps, only: step_type
   use amontons_state, only: state_type, fields_type, DAMPING_NOW, DAMPING_NEXT
   implicit none
   private
-  public :: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force, add_damping_stiffness, update_damping
+  public :: is_damped, set_damping_factor, find_nodal_volumes, set_first_factor, add_damping_force, add_damping_stiffness, &
+    update_damping
 
 contains
 
@@ -58,6 +62,28 @@ contains
       end associate
     end do
   end subroutine find_nodal_volumes
+
+
+  !> The factor of a first increment in which damping alone holds a body: over the period T of the step c m/T is the given fraction
+  !! of the stiffness of an element, both in the mean. An element of volume V and modulus E has a stiffness of E V^(1/3).
+  pure subroutine set_first_factor(model, step, state)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    real(DP) :: volume, stiffness, total
+    integer :: e, m
+    if (.not. step%has_free_motion .or. state%new%damping(DAMPING_NOW) > 0.0_DP) return
+    stiffness = 0.0_DP
+    total = 0.0_DP
+    do e = 1, model%mesh%n_elements
+      m = material_in_step(model, state%new%step, e)
+      if (m == 0) cycle
+      volume = sum(state%new%volume(model%mesh%point_first(e):model%mesh%point_first(e + 1) - 1))
+      stiffness = stiffness + small_strain_modulus(model%materials(m)) * volume**(1.0_DP / 3.0_DP)
+      total = total + volume
+    end do
+    if (total > 0.0_DP) state%new%damping = step%dissipated_fraction * step%period * stiffness / total
+  end subroutine set_first_factor
 
 
   !> Adds the viscous forces of the trial displacements to the applied forces.

@@ -14,7 +14,7 @@ module amontons_dependent_slaves
   use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, add_constraint_row, constraint_row_type
   use amontons_nonlinear_mpc, only: add_nonlinear_mpcs
   use amontons_tributary_areas, only: add_nodal_face_areas, find_mean_edge_length
-  use amontons_general_contact, only: small_strain_modulus
+  use amontons_elasticity, only: small_strain_modulus
   implicit none
   private
   public :: find_penalties, penalty_law

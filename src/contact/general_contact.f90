@@ -16,7 +16,7 @@ module amontons_general_contact
   use amontons_mesh, only: mesh_extent
   use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_loads, only: prescribed_type, amplitude_type
-  use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM
+  use amontons_elasticity, only: small_strain_modulus
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
   use amontons_exterior_surface, only: exterior_type, build_exterior
@@ -30,7 +30,7 @@ module amontons_general_contact
   private
   public :: general_pairs_type, find_general_pairs, near_faces_type, find_near_faces
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
-  public :: are_near, list_facets, exterior_positions, body_name, small_strain_modulus
+  public :: are_near, list_facets, exterior_positions, body_name
   public :: TOUCHING_RADIUS, collect_face_data, estimate_motion, find_interaction, make_surface, displacement_span
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
@@ -161,17 +161,6 @@ contains
       if (i > 0) data%modulus(f) = small_strain_modulus(model%materials(i))
     end do
   end subroutine collect_stiffness
-
-
-  !> Young's modulus at small strain, for a comparison of bodies; of rubber and foam three times the sum of the first constants,
-  !! which is of the size of the shear modulus.
-  pure real(DP) function small_strain_modulus(material) result(modulus)
-    type(material_type), intent(in) :: material
-    modulus = material%youngs_modulus
-    if (modulus > 0.0_DP .or. .not. allocated(material%elastic%value)) return
-    modulus = abs(material%elastic%value(1, 1))
-    if (any(material%elastic_kind == [ELASTIC_HYPER, ELASTIC_FOAM])) modulus = 6 * modulus
-  end function small_strain_modulus
 
 
   !> The faces of the surfaces that the rules, ties and given pairs name, and the pairs of surfaces left out.

@@ -41,6 +41,7 @@ module amontons_analysis
   use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment, evaluate_points, &
     is_matrix_free_step, OUTCOME_OK
   use amontons_model_check, only: check_model, summarize_model
+  use amontons_model_check_motion, only: find_free_motion
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
   use amontons_globalization, only: delay_snap_through
   use amontons_newton, only: begin_newton, iterate
@@ -351,6 +352,7 @@ contains
   subroutine enter_step(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: motion
     if (.not. analysis%is_step_start) return
     if (analysis%stepping%step > 0 .and. analysis%stepping%step_time == 0.0_DP) return   ! it has started
     call analysis%system%clock%read(PHASE_OTHER)
@@ -362,6 +364,10 @@ contains
     call activate_elements(analysis%model, analysis%stepping%step, analysis%state)
     if (allocated(analysis%model%steps(analysis%stepping%step)%is_relieved)) call relieve_elements(analysis%model, &
       analysis%stepping%step, mechanical_strain(analysis%model, analysis%state%old), analysis%state)
+    associate (step => analysis%driven_loads%step)
+      if (step%dissipated_fraction > 0.0_DP .and. size(analysis%model%pairs) == 0) call find_free_motion(analysis%model, &
+        analysis%system%contact, analysis%state%old%slaves, analysis%stepping%step, step%has_free_motion, motion)
+    end associate
     call begin_step(analysis%system, analysis%model, analysis%driven_loads%step, analysis%state, error)
     call analysis%system%clock%read(PHASE_PLANNING)
     if (.not. allocated(error)) call call_external_databases(analysis%model, LOP_STEP_START, analysis%state%old)

@@ -31,7 +31,7 @@ module amontons_equilibrium
   use amontons_nonlinear_mpc, only: extract_support_reactions, list_hessian_nodes, find_rotation_lengths
   use amontons_boundary_conditions, only: build_base_constraints
   use amontons_inertia, only: add_inertia_force
-  use amontons_stabilization, only: is_damped, set_damping_factor, find_nodal_volumes, add_damping_force
+  use amontons_stabilization, only: is_damped, set_damping_factor, find_nodal_volumes, set_first_factor, add_damping_force
   use amontons_assembly_plan, only: assembly_type, create_assembly, ensure_matrix, multiply_stiffness, node_diagonal, &
     stiffness_diagonal, couple_nodes
   use amontons_assembly, only: share_points, assemble_forces
@@ -482,6 +482,7 @@ contains
       call share_points(system%assembly, model%mesh, state%new)
       call find_nodal_volumes(model%mesh, absent_elements(model, state%new%step), state%new, system%volume_share)
     end if
+    call set_first_factor(model, step, state)
     if (state%new%damping(DAMPING_NOW) > 0.0_DP) call add_damping_force(system%volume_share, state)
     if (step%is_dynamic) call add_inertia_force(system%assembly, model, system%mass, state)
     if (step%is_nlgeom .and. n_nonlinear_mpcs(model) > 0) call prescribe_here(system, model, step, state%new, outcome)

@@ -6,7 +6,7 @@
 module amontons_elasticity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, LAW_SAINT_VENANT
+  use amontons_materials, only: material_type, LAW_SAINT_VENANT, ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
     pack_voigt, unpack_voigt
   use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
@@ -14,7 +14,7 @@ module amontons_elasticity
   implicit none
   private
   public :: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, check_gradient
-  public :: hooke_stress, isotropic_tangent, green_strain
+  public :: small_strain_modulus, hooke_stress, isotropic_tangent, green_strain
   public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, MAX_DISPLACEMENT_GRADIENT
 
   integer, parameter :: STRESS_OK = 0              !< all is well
@@ -24,6 +24,17 @@ module amontons_elasticity
   real(DP), parameter :: MAX_DISPLACEMENT_GRADIENT = 1.0e40_DP   !< larger displacement gradients overflow
 
 contains
+
+  !> Young's modulus at small strain, for a comparison of bodies; of rubber and foam three times the sum of the first constants,
+  !! which is of the size of the shear modulus.
+  pure real(DP) function small_strain_modulus(material) result(modulus)
+    type(material_type), intent(in) :: material
+    modulus = material%youngs_modulus
+    if (modulus > 0.0_DP .or. .not. allocated(material%elastic%value)) return
+    modulus = abs(material%elastic%value(1, 1))
+    if (any(material%elastic_kind == [ELASTIC_HYPER, ELASTIC_FOAM])) modulus = 6 * modulus
+  end function small_strain_modulus
+
 
   !> Lame's constants of a material: lambda = E nu / ((1 + nu)(1 - 2 nu)), G = E / (2 (1 + nu)).
   pure subroutine lame_constants(material, lambda, G)

@@ -17,12 +17,13 @@ module amontons_model_check_motion
   use amontons_column_singletons, only: find_column_singletons, solve_column_singletons
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
+  use amontons_stabilization, only: is_damped
   use amontons_model, only: model_type, dof_direction
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
   use amontons_containers, only: find_root, unite_trees
-  use amontons_model_check_bodies, only: report_error, report_warning, step_list, join_item, body_type, bodies_type, body_name, &
+  use amontons_model_check_bodies, only: step_list, join_item, body_type, bodies_type, body_name, &
     find_bodies
   use amontons_model_check_contact, only: is_closed, can_close_later
   use amontons_rigid_modes, only: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
@@ -74,6 +75,7 @@ module amontons_model_check_motion
   integer, parameter :: FINDING_FREE = 1           !< no restraint
   integer, parameter :: FINDING_OPEN = 2           !< only contact that is open at the start can restrain them
   integer, parameter :: FINDING_PLACED = 3         !< unrestrained at the position in the deck; earlier steps may move the body
+  integer, parameter :: FINDING_DAMPED = 4         !< no restraint but the damping of STABILIZE
 
   !> Unrestrained motions of some bodies, and the steps concerned.
   type :: finding_type
@@ -138,13 +140,8 @@ contains
     end do
     do i = 1, size(findings)
       associate (finding => findings(i))
-        if (finding%code == FINDING_FREE) then
-          call report_error(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%motion &
-            // remedy_text(finding%code))
-        else
-          call report_warning(report, 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%motion &
-            // remedy_text(finding%code))
-        end if
+        call report%add('', 0, '', 'In ' // step_list(finding%steps%trimmed()) // ' the ' // finding%motion &
+          // remedy_text(finding%code), is_warning=finding%code /= FINDING_FREE)
       end associate
     end do
   end subroutine check_rigid_motions
@@ -815,6 +812,7 @@ contains
         motions(6 * first - 5:6 * first, :), is_same)
       finding%code = merge(FINDING_OPEN, FINDING_FREE, is_start)
       if (may_be_held_later(model, step, finding%motions)) finding%code = FINDING_PLACED
+      if (is_held_by_damping(model, step) .and. bodies%list(members(first))%n_elements > 0) finding%code = FINDING_DAMPED
       call add_finding(finding, step, findings)
     end do
   end subroutine report_motions
@@ -844,6 +842,14 @@ contains
   end function may_be_held_later
 
 
+  !> Whether damping holds free bodies: its factor is given, or is found in a first increment that contact does not change.
+  pure logical function is_held_by_damping(model, step) result(is_held)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step
+    is_held = is_damped(model%steps(step)) .and. (model%steps(step)%damping_factor > 0 .or. size(model%pairs) == 0)
+  end function is_held_by_damping
+
+
   !> Missing restraint and remedy.
   pure function remedy_text(code) result(text)
     integer, intent(in) :: code                    !< FINDING_...
@@ -852,6 +858,8 @@ contains
     case (FINDING_PLACED)
       text = ' as the deck places it: no support, no equation and no contact holds it there. Under NLGEOM it may be ' // &
         'held after the previous steps have moved it.'
+    case (FINDING_DAMPED)
+      text = ': only the damping of STABILIZE holds it, and it moves as far as its loads and the factor let it.'
     case (FINDING_OPEN)
       text = ' until its contact closes: what could hold it is open at the start. Proximal steps will move it to ' // &
         'first contact; to control this motion, prescribe a displacement.'

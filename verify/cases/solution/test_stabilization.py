@@ -107,6 +107,31 @@ def test_factor(run_deck: Run, tmp_path: Path) -> None:
     assert history(tmp_path, "damped_work")[[0, 9, 10]] == pytest.approx(np.array([works[0], works[-1], works[-1]]), rel=1e-8)
 
 
+FREE = CUBE[: CUBE.index("*BOUNDARY")]
+
+
+@pytest.mark.parametrize(("words", "factor"), [(", STABILIZE, FACTOR=3.", 3.0), (", STABILIZE", 2e-4 * 1000.0), (", STABILIZE=0.01", 0.01 * 1000.0)])
+def test_free_body(run_deck: Run, tmp_path: Path, words: str, factor: float) -> None:
+    """Nothing but damping holds a cube under a force: c V du/dt = F moves its centre, by backward Euler; the elastic part has a mean
+    of zero. Without FACTOR c is the fraction of E V^(1/3)/V over the period 1, in the mean over the elements (one here)."""
+    done = run_deck(FREE + step(words + ", DIRECT", "0.1, 1.", "HIGH, 3, 1.") + step(words + ", CONTINUE, DIRECT", "0.5, 1.", "HIGH, 3, 1."))
+    assert done.returncode == 0, done.stdout
+    assert "only the damping of STABILIZE holds it" in " ".join((done.stdout + done.stderr).split())
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        u = np.asarray(file["VTKHDF/PointData/U"]).reshape(-1, 8, 3)[1:].mean(1)
+    wanted = np.cumsum([4 * force * 0.1 / factor for force in RISE] + [4 * 0.5 / factor] * 2)
+    assert u[:, 2] == pytest.approx(wanted, rel=1e-9)
+    assert np.abs(u[:, :2]).max() <= 1e-9 * wanted[-1]
+
+
+def test_free_body_without_damping(run_deck: Run) -> None:
+    """The same is an error without STABILIZE, and so is a node without elements, which has no volume, in spite of it."""
+    assert run_deck(FREE + step("", "0.1, 1.", "HIGH, 3, 1.")).returncode == 4
+    tied = "*NODE\n98, 5., 5., 5.\n99, 6., 5., 5.\n*EQUATION\n2\n98, 1, 1., 99, 1, -1.\n"
+    done = run_deck(FREE + tied + step(", STABILIZE, FACTOR=3.", "0.1, 1.", "HIGH, 3, 1."))
+    assert done.returncode == 4, done.stdout
+
+
 def test_calculix_does_not_know_it(run_deck: Run, tmp_path: Path) -> None:
     """A note, and no damping."""
     done = run_deck("** dialect: calculix\n" + CUBE + step(", STABILIZE=0.01, DIRECT", "0.1, 1.", "HIGH, 3, 1."))
