@@ -870,10 +870,13 @@ contains
       'Use *EQUATION, or mesh the bodies together.')
     call table%cards_with(ENTRY_REJECTED, 'SHELL GENERAL SECTION|' // &
       'COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
-      'TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR|REBAR|REBAR LAYER|' // &
+      'REBAR|REBAR LAYER|' // &
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'The sections are *SOLID SECTION, *SHELL SECTION, *MEMBRANE SECTION and *BEAM SECTION.')
+    call table%cards_with(ENTRY_REJECTED, 'TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR', 'Shells and beams are solids here: ' // &
+      'their shear stiffness is that of the material over the thickness. Give it by G13 and G23 of *ELASTIC (ENGINEERING ' // &
+      'CONSTANTS or LAMINA).')
     call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|' // &
       'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
     call table%cards_with(ENTRY_REJECTED, 'SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &
