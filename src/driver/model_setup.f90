@@ -15,6 +15,7 @@ module amontons_model_setup
   use amontons_contact_initialization, only: find_adjustment
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
   use amontons_self_contact_pairs, only: add_self_pairs
+  use amontons_deck_structure, only: order_slave_terms
   use amontons_dependent_slaves, only: find_penalties, penalty_law
   use amontons_tie_generation, only: generate_ties
   use amontons_user_routine_setup, only: open_user_routines
@@ -31,12 +32,14 @@ contains
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: found
+    logical, allocatable :: is_bound(:)
     call open_user_routines(model, options, error)
     if (allocated(error)) return
     call add_ties(model, error)
     if (allocated(error)) return
     call add_general_contact(model, found)
     if (found /= '') call logger%say(found)
+    if (allocated(model%general_contact)) call order_slave_terms(model, is_bound)
     call soften_dependent_pairs(model, logger)
     call adjust(model, logger, error)
     if (allocated(error)) return

@@ -18,8 +18,8 @@ module amontons_deck_structure
     KIND_SAX1, KIND_SAX2, KIND_CAX_SHELL, FAMILY_RIGID, is_two_sided, is_structural_family
   implicit none
   private
-  public :: read_structural_sections, read_structure, free_slave_nodes, structural_face, is_shell, is_shell_edge, &
-    spread_temperature, refine_thin_shells, OTHER_LAYER
+  public :: read_structural_sections, read_structure, free_slave_nodes, order_slave_terms, structural_face, is_shell, &
+    is_shell_edge, spread_temperature, refine_thin_shells, OTHER_LAYER
 
   integer, parameter :: OTHER_LAYER = -1         !< the face belongs to another layer of the shell
 
@@ -440,16 +440,31 @@ contains
   end subroutine refine_thin_shells
 
 
-  !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. Knots make
-  !! all their nodes dependent: a note says how many of them are slaves. Pairs and couplings must be read.
+  !> Orders the ties of shells and beams by `order_slave_terms`. Knots make all their nodes dependent: a note says how many of them
+  !! are slaves. Pairs and couplings must be read.
   subroutine free_slave_nodes(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    logical, allocatable :: is_slave(:), is_bound(:)
+    logical, allocatable :: is_bound(:)
+    integer :: n
+    call order_slave_terms(model, is_bound)
+    n = count(is_bound)
+    if (n > 0) call report_note(reader, 0, plural(n, 'slave node') // verb(n, ' belongs', ' belong') // &
+      ' to knots of shells or beams (edges between plates, nodes whose rotations are held or loaded): contact does not ' // &
+      'act there. Make this surface the master if they may touch.')
+  end subroutine free_slave_nodes
+
+
+  !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. The pairs of
+  !! general contact are known after the deck is read: then this is done again.
+  subroutine order_slave_terms(model, is_bound)
+    type(model_type), intent(inout) :: model
+    logical, allocatable, intent(out) :: is_bound(:)   !< (n_nodes) slaves whose unknowns are dependent all the same
+    logical, allocatable :: is_slave(:)
     integer, allocatable :: order(:)
     integer :: i, k
-    if (.not. allocated(model%structure) .or. size(model%pairs) == 0) return
     allocate (is_slave(model%mesh%n_nodes), is_bound(model%mesh%n_nodes), source=.false.)
+    if (.not. allocated(model%structure) .or. size(model%pairs) == 0) return
     do i = 1, size(model%pairs)
       is_slave(model%surfaces(model%pairs(i)%slave)%nodes) = .true.
     end do
@@ -468,11 +483,8 @@ contains
     do i = 1, size(model%nonlinear_mpcs)
       if (model%nonlinear_mpcs(i)%expansion > 0) is_bound(model%nonlinear_mpcs(i)%node) = .true.
     end do
-    if (any(is_slave .and. is_bound)) call report_note(reader, 0, plural(count(is_slave .and. is_bound), 'slave node') // &
-      verb(count(is_slave .and. is_bound), ' belongs', ' belong') // ' to knots of shells or beams (edges between plates, ' // &
-      'nodes whose rotations are held or loaded): contact does not ' // &
-      'act there. Make this surface the master if they may touch.')
-  end subroutine free_slave_nodes
+    is_bound = is_bound .and. is_slave
+  end subroutine order_slave_terms
 
 
   !> NODAL THICKNESS: node or set, thickness, of beams the second too. Middle nodes that the reader adds have the mean of the ends.

@@ -120,3 +120,28 @@ def test_thickness_of_shells(run_deck: Run, row: str, is_allowed: bool) -> None:
     text = re.sub(r"\s+", " ", done.stdout + done.stderr)
     assert (done.returncode == 0) is is_allowed, text
     assert ("Shells touch with the faces that their *SHELL SECTION gives them" in text) is not is_allowed
+
+
+@pytest.mark.parametrize("roles", ["LOW_FACE, UP_FACE, SLAVE", "UP_FACE, LOW_FACE, SLAVE", "held"])
+def test_shells_on_each_other(run_deck: Run, tmp_path: Path, roles: str) -> None:
+    """Two plates of S4, whose nodes are moved until their faces overlap by d = 0.05, are squeezed: the energy E (d/t)^2 t of both
+    gives the force 2 E d/t, whichever face is the slave; with the rotations of the lower plate held it is rigid, and takes part as
+    before (its thickness stays free)."""
+    n, thick, gap, young = 4, 0.2, 0.3, 1000.0
+    deck = f"*MATERIAL, NAME=M\n*ELASTIC\n{young}, 0.\n"
+    for name, first, height, side in (("LOW", 1, 0.0, "SPOS"), ("UP", 101, gap, "SNEG")):
+        deck += "*NODE\n" + "".join(f"{first + i + (n + 1) * j}, {i / n}, {j / n}, {height}\n" for j in range(n + 1) for i in range(n + 1))
+        corners = [(first + i + (n + 1) * j, first + i + (n + 1) * j + 1, first + i + (n + 1) * (j + 1) + 1, first + i + (n + 1) * (j + 1))
+                   for j in range(n) for i in range(n)]  # fmt: skip
+        deck += f"*ELEMENT, TYPE=S4, ELSET={name}\n" + "".join(f"{first + k}, {a}, {b}, {c}, {d}\n" for k, (a, b, c, d) in enumerate(corners))
+        deck += f"*SHELL SECTION, ELSET={name}, MATERIAL=M\n{thick}\n*SURFACE, NAME={name}_FACE\n{name}, {side}\n"
+        last = 6 if roles == "held" and name == "LOW" else 3
+        deck += f"*NSET, NSET={name}_NODES, GENERATE\n{first}, {first + (n + 1) ** 2 - 1}\n*BOUNDARY\n{name}_NODES, 1, {last}\n"
+    deck += "*CONTACT\n*CONTACT INCLUSIONS\nUP_FACE, LOW_FACE\n"
+    if roles != "held":
+        deck += f"*CONTACT FORMULATION, TYPE=MASTER SLAVE ROLES\n{roles}\n"
+    deck += f"*STEP\n*STATIC\n.1, 1.\n*BOUNDARY\nUP_NODES, 3, 3, {-(gap - thick + 0.05)}\n*NODE PRINT, NSET=LOW_NODES, TOTALS=ONLY\nRF\n*END STEP\n"
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout + done.stderr
+    force = float((tmp_path / "job.dat").read_text().split()[-1])
+    assert force == pytest.approx(2 * young * 0.05 / thick, rel=1e-6)
