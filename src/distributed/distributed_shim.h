@@ -44,6 +44,12 @@ void amontons_ranks_abort(int code);
  * Status: 0 done, 1 not positive definite or not converged, 2 an error of the library. */
 int amontons_solver_exists(void);
 void *amontons_solver_new(int kind, int n_rows, int n_entries, const int *row, const int *column, const double *motions);
+
+/* Balancing domain decomposition by constraints: the matrix is the sum over the ranks of parts between n_held rows, whose global
+ * numbers are `held`, from 0. Entries are both triangles of this rank's part, by places in `held`; six motions and three coordinates
+ * for each row of this rank. */
+void *amontons_solver_new_parts(int n_rows, int n_held, const int *held, int n_entries, const int *row, const int *column,
+                                const double *motions, const double *coordinates);
 int amontons_solver_update(void *handle, const double *value);
 int amontons_solver_apply(void *handle, const double *b, double *x);
 int amontons_solver_solve(void *handle, const double *b, double *x, double tolerance, double absolute, int most, int *iterations,

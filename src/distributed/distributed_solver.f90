@@ -1,11 +1,15 @@
-!> Distributed linear solver: a symmetric matrix by rows over the ranks, solved by PETSc (GAMG, hypre, MUMPS).
+!> Distributed linear solver: a symmetric matrix over the ranks, solved by PETSc (GAMG, hypre, MUMPS, BDDC).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The unknowns are ordered by the rank of their node, three rows to a node, so that multigrid sees blocks of displacements. Rows
 !! of eliminated unknowns are those of the identity times a mean diagonal entry. Each rank passes the entries of its own rows;
 !! right-hand sides and solutions are whole vectors, the same on all ranks.
+!!
+!! BDDC takes the matrix as a sum of parts, one of each rank's own elements, between the unknowns to which they contribute; its rows
+!! are the unknowns themselves.
 !! References: M. Adams, H. Bayraktar, T. Keaveny, P. Papadopoulos, SC 2004 (smoothed aggregation); V. Henson, U. Meier Yang, Appl.
-!! Num. Math. 41 (2002) 155 (BoomerAMG); P. Amestoy et al., SIAM J. Matrix Anal. Appl. 23 (2001) 15 (MUMPS).
+!! Num. Math. 41 (2002) 155 (BoomerAMG); P. Amestoy et al., SIAM J. Matrix Anal. Appl. 23 (2001) 15 (MUMPS); J. Mandel, C. Dohrmann,
+!! R. Tezaur, Appl. Num. Math. 54 (2005) 167; S. Zampini, SIAM J. Sci. Comput. 38 (2016) S282 (BDDC and its implementation).
 module amontons_distributed_solver
   use, intrinsic :: iso_c_binding, only: c_ptr, c_null_ptr, c_associated, c_int, c_double
   use amontons_kinds, only: DP
@@ -13,19 +17,21 @@ module amontons_distributed_solver
   use amontons_sparse, only: sparse_type
   use amontons_two_level_preconditioner, only: rigid_motion
   use amontons_krylov, only: krylov_options_type, krylov_report_type, KRYLOV_CONVERGED, KRYLOV_MAX_ITERATIONS
-  use amontons_mpi_ranks, only: this_rank, n_ranks, gather_parts
+  use amontons_mpi_ranks, only: this_rank, n_ranks, gather_parts, sum_over_ranks
   implicit none
   private
-  public :: distributed_solver_type, create_distributed, update_distributed, apply_distributed, solve_distributed, &
-    has_distributed_solvers
-  public :: DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, DISTRIBUTED_NAMES
+  public :: distributed_solver_type, create_distributed, create_distributed_parts, update_distributed, apply_distributed, &
+    solve_distributed, has_distributed_solvers
+  public :: DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, &
+    DISTRIBUTED_BDDC, DISTRIBUTED_NAMES
 
   integer, parameter :: DISTRIBUTED_NONE = 0
   integer, parameter :: DISTRIBUTED_GAMG = 1       !< conjugate gradients with smoothed aggregation
   integer, parameter :: DISTRIBUTED_HYPRE = 2      !< conjugate gradients with BoomerAMG, unknown by unknown
   integer, parameter :: DISTRIBUTED_MUMPS = 3      !< a multifrontal factor
   integer, parameter :: DISTRIBUTED_TWO_LEVEL = 4  !< not of PETSc: `distributed_two_level`
-  character(19), parameter :: DISTRIBUTED_NAMES(4) = [character(19) :: 'GAMG', 'hypre', 'MUMPS', 'two-level iteration']
+  integer, parameter :: DISTRIBUTED_BDDC = 5       !< conjugate gradients with balancing domain decomposition by constraints
+  character(19), parameter :: DISTRIBUTED_NAMES(5) = [character(19) :: 'GAMG', 'hypre', 'MUMPS', 'two-level iteration', 'BDDC']
 
   real(DP), parameter :: APPLICATION_TOLERANCE = 1.0e-4_DP   !< of an application of multigrid: residual over right-hand side [-]
   integer(c_int), parameter :: MAX_APPLICATION_ITERATIONS = 100
@@ -61,6 +67,15 @@ module amontons_distributed_solver
       real(c_double), intent(in) :: motions(*)
       type(c_ptr) :: handle
     end function solver_new
+
+    function solver_new_parts(n_rows, n_held, held, n_entries, row, column, motions, coordinates) &
+      bind(C, name='amontons_solver_new_parts') result(handle)
+      import :: c_ptr, c_int, c_double
+      integer(c_int), value :: n_rows, n_held, n_entries
+      integer(c_int), intent(in) :: held(*), row(*), column(*)
+      real(c_double), intent(in) :: motions(*), coordinates(*)
+      type(c_ptr) :: handle
+    end function solver_new_parts
 
     function solver_update(handle, value) bind(C, name='amontons_solver_update') result(status)
       import :: c_ptr, c_int, c_double
@@ -127,6 +142,92 @@ contains
       int(row - 1, c_int), int(column - 1, c_int), motions)
     if (.not. c_associated(self%handle)) call set_library_error(error)
   end subroutine create_distributed
+
+
+  !> Distributes the pattern of a matrix that is the sum of the parts of the ranks, for BDDC. Errors: EXIT_SOLVER.
+  subroutine create_distributed_parts(self, part, is_held, owner, unknown, coordinates, error)
+    type(distributed_solver_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: part          !< A_r: upper triangle
+    logical, intent(in) :: is_held(:)              !< (n) elements of this rank contribute to the unknown
+    integer, intent(in) :: owner(:)                !< (n) rank of each unknown, from 0, which holds it if any does
+    integer, intent(in) :: unknown(:)              !< (n) of the mesh, 3 (node - 1) + axis
+    real(DP), intent(in) :: coordinates(:, :)      !< (3, n_nodes) [length]
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: held(:), row(:), column(:)
+    real(DP), allocatable :: motions(:, :), n_holders(:), places(:, :)
+    integer :: i, rank
+    rank = this_rank()
+    call release_solver(self)
+    self%kind = DISTRIBUTED_BDDC
+    call number_unknowns(self, owner)
+    n_holders = merge(1.0_DP, 0.0_DP, is_held)
+    call sum_over_ranks(n_holders)
+    held = pack([(i, i=1, size(owner))], is_held .or. (n_holders < 0.5_DP .and. owner == rank))
+    call list_part_entries(self, part, held, row, column)
+    call find_motions_at_rows(self, unknown, coordinates, motions)
+    allocate (places(3, max(1, self%n_own)), source=0.0_DP)
+    do i = 1, size(owner)
+      if (owner(i) == rank) places(:, self%row_of(i) - self%before) = coordinates(:, (unknown(i) + 2) / 3)
+    end do
+    self%handle = solver_new_parts(int(self%n_own, c_int), int(size(held), c_int), int(self%row_of(held) - 1, c_int), &
+      int(size(row), c_int), int(row - 1, c_int), int(column - 1, c_int), motions, places)
+    if (.not. c_associated(self%handle)) call set_library_error(error)
+  end subroutine create_distributed_parts
+
+
+  !> A row for each unknown, rank by rank.
+  subroutine number_unknowns(self, owner)
+    type(distributed_solver_type), intent(inout) :: self
+    integer, intent(in) :: owner(:)                !< (n)
+    integer, allocatable :: next(:)
+    integer :: i, r, rank, last
+    rank = this_rank()
+    last = n_ranks() - 1
+    self%counts = [(count(owner == r), r=0, last)]
+    allocate (next(0:last))
+    next(:) = [(sum(self%counts(:r)), r=0, last)]
+    self%before = next(rank)
+    self%n_own = self%counts(rank + 1)
+    if (allocated(self%row_of)) deallocate (self%row_of)
+    allocate (self%row_of(size(owner)))
+    do i = 1, size(owner)
+      next(owner(i)) = next(owner(i)) + 1
+      self%row_of(i) = next(owner(i))
+    end do
+  end subroutine number_unknowns
+
+
+  !> Row, column and source of the entries of a part between the unknowns that this rank holds: both triangles.
+  subroutine list_part_entries(self, part, held, row, column)
+    type(distributed_solver_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: part
+    integer, intent(in) :: held(:)                 !< unknowns
+    integer, allocatable, intent(out) :: row(:), column(:)   !< places in it
+    integer :: place(part%n_rows), pass, n, i, j, k
+    place = 0
+    place(held) = [(i, i=1, size(held))]
+    do pass = 1, 2
+      n = 0
+      do i = 1, size(held)
+        do k = part%first(held(i)), part%first(held(i) + 1) - 1
+          j = place(part%column(k))
+          if (j == 0) cycle
+          if (pass == 2) then
+            row(n + 1) = i
+            column(n + 1) = j
+            row(n + merge(1, 2, i == j)) = j
+            column(n + merge(1, 2, i == j)) = i
+            self%source(n + 1:n + merge(1, 2, i == j)) = k
+          end if
+          n = n + merge(1, 2, i == j)
+        end do
+      end do
+      if (pass == 2) exit
+      if (allocated(self%source)) deallocate (self%source)
+      if (allocated(self%value)) deallocate (self%value)
+      allocate (row(n), column(n), self%source(n), self%value(n))
+    end do
+  end subroutine list_part_entries
 
 
   !> Numbers the nodes that have unknowns, rank by rank.

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { GAMG = 1, HYPRE = 2, MUMPS = 3 };
+enum { GAMG = 1, HYPRE = 2, MUMPS = 3, BDDC = 5 };
 enum { DONE = 0, BROKEN = 1, FAILED = 2 };
 enum { JOIN_DONE = 0, JOIN_NOT_RUNNING = 2, JOIN_NO_MEMBER = 3, JOIN_OTHER = 4 }; /* of mpi_ranks.f90 */
 enum { N_MOTIONS = 6, BLOCK = 1 << 16, FEW = 64 };
@@ -23,6 +23,8 @@ typedef struct {
   int kind;
   PetscInt n; /* rows of this rank */
   Mat matrix;
+  Mat part;          /* of this rank, for BDDC: the matrix is their sum */
+  PetscReal *places; /* three coordinates for each row, for BDDC */
   KSP ksp;
   Vec b, x;
 } solver;
@@ -224,7 +226,37 @@ void amontons_ranks_abort(int code)
 
 int amontons_solver_exists(void) { return has_ranks(); }
 
-/* The near null space of AMG: rigid motions at the free unknowns, orthonormal; those that depend on others are left out. */
+/* The senders and the two lengths of their messages, in place of the procedure of PETSc, whose list has the order of arrival: the
+ * coarse matrix of BDDC is summed in this order, and the same ranks twice gave other bits. Here it is that of the ranks. */
+PetscErrorCode PetscGatherMessageLengths2(MPI_Comm comm, PetscMPIInt n_sent, PetscMPIInt n_received, const PetscMPIInt first[],
+                                          const PetscMPIInt second[], PetscMPIInt **senders, PetscMPIInt **firsts,
+                                          PetscMPIInt **seconds)
+{
+  int size, n = 0;
+  (void)n_sent;
+  MPI_Comm_size(comm, &size);
+  PetscMPIInt *sent = calloc(4 * (size_t)size, sizeof *sent), *received = sent + 2 * size;
+  if (!sent) return PETSC_ERR_MEM;
+  for (int r = 0; r < size; r++) {
+    if (first[r] == 0) continue; /* no message: the second length is not set */
+    sent[2 * r] = first[r];
+    sent[2 * r + 1] = second[r];
+  }
+  MPI_Alltoall(sent, 2, MPI_INT, received, 2, MPI_INT, comm);
+  PetscCall(PetscMalloc1(n_received + 1, senders));
+  PetscCall(PetscMalloc1(n_received + 1, firsts));
+  PetscCall(PetscMalloc1(n_received + 1, seconds));
+  for (int r = 0; r < size && n < n_received; r++) {
+    if (received[2 * r] == 0) continue;
+    (*senders)[n] = r;
+    (*firsts)[n] = received[2 * r];
+    (*seconds)[n++] = received[2 * r + 1];
+  }
+  free(sent);
+  return 0;
+}
+
+/* The near null space of AMG and BDDC: rigid motions at the free unknowns, orthonormal; those that depend on others are left out. */
 static PetscErrorCode attach_motions(solver *self, const double *motions)
 {
   Vec kept[N_MOTIONS];
@@ -269,10 +301,20 @@ static PetscErrorCode choose(solver *self)
     {"-amontons_pc_hypre_boomeramg_coarsen_type", "HMIS"}, {"-amontons_pc_hypre_boomeramg_interp_type", "ext+i"},
     {"-amontons_pc_hypre_boomeramg_strong_threshold", "0.5"}, {"-amontons_mat_mumps_icntl_13", "1"},
     {"-amontons_mat_mumps_icntl_24", "1"}, /* these two: MUMPS counts all pivots, null ones too */
-    {"-matptap_via", "allatonce"}};        /* the other products of coarse matrices add by the arrival of messages */
+    {"-amontons_pc_bddc_corner_selection", "1"},
+    {"-amontons_pc_bddc_coarse_eqs_per_proc", "1000000000"}, /* on one rank */
+    {"-amontons_pc_bddc_use_deluxe_scaling", "1"},
+    {"-amontons_pc_bddc_switch_static", "1"}, /* residuals within the parts are corrected, too: else they stay at 1e-9 */
+    {"-amontons_pc_bddc_dirichlet_pc_type", "cholesky"}, {"-amontons_pc_bddc_dirichlet_pc_factor_mat_solver_type", "mumps"},
+    {"-amontons_pc_bddc_neumann_pc_type", "cholesky"}, {"-amontons_pc_bddc_neumann_pc_factor_mat_solver_type", "mumps"}};
   PC pc;
   for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)
     PetscCall(PetscOptionsSetValue(NULL, settings[k][0], settings[k][1]));
+  if (amontons_n_ranks() > 1) { /* the other products of coarse matrices of ranks add by the arrival of messages */
+    PetscCall(PetscOptionsSetValue(NULL, "-matptap_via", "allatonce"));
+  } else {
+    PetscCall(PetscOptionsClearValue(NULL, "-matptap_via"));
+  }
   PetscCall(KSPCreate(communicator, &self->ksp));
   PetscCall(KSPSetOptionsPrefix(self->ksp, "amontons_"));
   PetscCall(KSPSetOperators(self->ksp, self->matrix, self->matrix));
@@ -284,12 +326,27 @@ static PetscErrorCode choose(solver *self)
     PetscCall(PCSetType(pc, PCHYPRE));
     PetscCall(PCHYPRESetType(pc, "boomeramg"));
   }
+  if (self->kind == BDDC) {
+    PetscCall(PCSetType(pc, PCBDDC));
+    PetscCall(PCSetCoordinates(pc, 3, self->n, self->places)); /* by which corners are chosen */
+  }
   if (self->kind == MUMPS) {
     PetscCall(PCSetType(pc, PCCHOLESKY));
     PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   }
   PetscCall(KSPSetFromOptions(self->ksp));
   return 0;
+}
+
+/* What is known of the matrix, its vectors and preconditioner. */
+static PetscErrorCode complete(solver *self, const double *motions)
+{
+  PetscCall(MatSetOption(self->matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscCall(MatSetOption(self->matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  if (self->kind != MUMPS) PetscCall(MatSetOption(self->matrix, MAT_SPD, PETSC_TRUE));
+  PetscCall(MatCreateVecs(self->matrix, &self->x, &self->b));
+  if (self->kind == GAMG || self->kind == BDDC) PetscCall(attach_motions(self, motions));
+  return choose(self);
 }
 
 static PetscErrorCode create(solver *self, PetscCount n_entries, const int *row, const int *column, const double *motions)
@@ -306,12 +363,35 @@ static PetscErrorCode create(solver *self, PetscCount n_entries, const int *row,
   PetscCall(MatSetPreallocationCOO(self->matrix, n_entries, i, j));
   free(i);
   free(j);
-  PetscCall(MatSetOption(self->matrix, MAT_SYMMETRIC, PETSC_TRUE));
-  PetscCall(MatSetOption(self->matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
-  if (self->kind != MUMPS) PetscCall(MatSetOption(self->matrix, MAT_SPD, PETSC_TRUE));
-  PetscCall(MatCreateVecs(self->matrix, &self->x, &self->b));
-  if (self->kind == GAMG) PetscCall(attach_motions(self, motions));
-  return choose(self);
+  return complete(self, motions);
+}
+
+/* The matrix as a sum of parts. */
+static PetscErrorCode create_parts(solver *self, int n_held, const int *held, PetscCount n_entries, const int *row, const int *column,
+                                   const double *motions)
+{
+  PetscInt *number = malloc((size_t)(n_held + 1) * sizeof *number);
+  PetscInt *i = malloc((size_t)(n_entries + 1) * sizeof *i), *j = malloc((size_t)(n_entries + 1) * sizeof *j);
+  ISLocalToGlobalMapping map;
+  for (int k = 0; k < n_held; k++) number[k] = held[k];
+  for (PetscCount k = 0; k < n_entries; k++) {
+    i[k] = row[k];
+    j[k] = column[k];
+  }
+  PetscCall(ISLocalToGlobalMappingCreate(communicator, 1, n_held, number, PETSC_COPY_VALUES, &map));
+  PetscCall(MatCreateIS(communicator, 1, self->n, self->n, PETSC_DETERMINE, PETSC_DETERMINE, map, map, &self->matrix));
+  PetscCall(ISLocalToGlobalMappingDestroy(&map));
+  PetscCall(MatCreate(PETSC_COMM_SELF, &self->part));
+  PetscCall(MatSetSizes(self->part, n_held, n_held, n_held, n_held));
+  PetscCall(MatSetType(self->part, MATSEQAIJ));
+  PetscCall(MatSetPreallocationCOO(self->part, n_entries, i, j));
+  PetscCall(MatSetOption(self->part, MAT_SYMMETRIC, PETSC_TRUE));
+  PetscCall(MatSetOption(self->part, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  PetscCall(MatISSetLocalMat(self->matrix, self->part));
+  free(number);
+  free(i);
+  free(j);
+  return complete(self, motions);
 }
 
 void *amontons_solver_new(int kind, int n_rows, int n_entries, const int *row, const int *column, const double *motions)
@@ -329,12 +409,37 @@ void *amontons_solver_new(int kind, int n_rows, int n_entries, const int *row, c
   return NULL;
 }
 
+void *amontons_solver_new_parts(int n_rows, int n_held, const int *held, int n_entries, const int *row, const int *column,
+                                const double *motions, const double *coordinates)
+{
+  solver *self = calloc(1, sizeof *self);
+  fenv_t environment;
+  if (!self) return NULL;
+  self->kind = BDDC;
+  self->n = n_rows;
+  feholdexcept(&environment);
+  self->places = malloc((size_t)(3 * n_rows + 1) * sizeof *self->places);
+  for (int k = 0; k < 3 * n_rows; k++) self->places[k] = coordinates[k];
+  PetscErrorCode code = create_parts(self, n_held, held, n_entries, row, column, motions);
+  fesetenv(&environment);
+  if (code == 0) return self;
+  free(self->places);
+  free(self);
+  return NULL;
+}
+
 /* New values and their preconditioner. A factor with negative pivots is not one of a positive definite matrix. */
 static PetscErrorCode set_up(solver *self, const double *value, int *status)
 {
   PC pc;
   PCFailedReason reason;
-  PetscCall(MatSetValuesCOO(self->matrix, value, INSERT_VALUES));
+  PetscCall(MatSetValuesCOO(self->part ? self->part : self->matrix, value, INSERT_VALUES));
+  PetscCall(MatAssemblyBegin(self->matrix, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(self->matrix, MAT_FINAL_ASSEMBLY));
+  if (self->kind == BDDC) { /* its set-up does not begin anew with other values */
+    PetscCall(KSPDestroy(&self->ksp));
+    PetscCall(choose(self));
+  }
   PetscCall(KSPSetOperators(self->ksp, self->matrix, self->matrix));
   PetscCall(KSPGetPC(self->ksp, &pc));
   PetscCall(KSPSetUp(self->ksp));
@@ -429,8 +534,10 @@ void amontons_solver_free(void *handle)
   if (is_running()) {
     KSPDestroy(&self->ksp);
     MatDestroy(&self->matrix);
+    MatDestroy(&self->part);
     VecDestroy(&self->b);
     VecDestroy(&self->x);
   }
+  free(self->places);
   free(self);
 }

@@ -45,6 +45,13 @@ void *amontons_solver_new(int kind, int n_rows, int n_entries, const int *row, c
   return NULL;
 }
 
+void *amontons_solver_new_parts(int n_rows, int n_held, const int *held, int n_entries, const int *row, const int *column,
+                                const double *motions, const double *coordinates)
+{
+  (void)n_rows, (void)n_held, (void)held, (void)n_entries, (void)row, (void)column, (void)motions, (void)coordinates;
+  return NULL;
+}
+
 int amontons_solver_update(void *handle, const double *value)
 {
   (void)handle, (void)value;

@@ -8,11 +8,11 @@
 module amontons_equilibrium
   use amontons_kinds, only: DP
   use amontons_containers, only: integer_list_type
-  use amontons_errors, only: error_type
+  use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements, list_follower_nodes, has_unsymmetric_elements
   use amontons_surfaces, only: is_compliant
   use amontons_controls, only: controls_type, PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL
-  use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS
+  use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS, SOLVER_BDDC
   use amontons_iteration_records, only: PHASE_ASSEMBLY, PHASE_CONTACT, PHASE_OTHER
   use amontons_phase_clock, only: phase_clock_type
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state, create_material_state, set_temperatures, &
@@ -193,6 +193,13 @@ contains
     integer :: i
     call list_coupled_nodes(model, first, nodes)
     system%is_dividable = is_division_possible(model, has_contact .or. size(nodes) > 0)
+    if (n_ranks() > 1 .and. .not. system%is_dividable .and. any(model%steps%solver == SOLVER_BDDC)) then
+      call set_error(error, EXIT_SETUP, 'SOLVER=BDDC on several ranks takes the stiffness of each rank''s own elements, which ' // &
+        'contact, user elements, nonlinear MPCs, forces that turn with nodes, unsymmetric laws, RIKS, DYNAMIC, STABILIZE and ' // &
+        'SOLVER=CONJUGATE GRADIENTS do not leave apart. ITERATIVE SCALING, GAMG, HYPRE and MUMPS are allowed; without SOLVER ' // &
+        'the program chooses.')
+      return
+    end if
     call create_assembly(system%assembly, model%mesh, error, first, nodes, &
       is_matrix_free=size(model%steps) > 0 .and. all([(is_matrix_free_step(model%steps(i)), i=1, size(model%steps))]), &
       is_deferred=system%is_dividable)
@@ -327,7 +334,7 @@ contains
     is_divided = .false.
     associate (solver => system%reduced_system)
       if (system%is_dividable .and. system%base%n_free > 0 .and. .not. solver%is_iteration_abandoned) then
-        is_divided = solver%requested_solver == SOLVER_ITERATIVE
+        is_divided = any(solver%requested_solver == [SOLVER_ITERATIVE, SOLVER_BDDC])
         if (solver%requested_solver == SOLVER_AUTO) is_divided = solver%is_divided .and. solver%cost%is_estimated   ! as before
         if (solver%requested_solver == SOLVER_AUTO .and. .not. is_divided .and. &
           system%base%n_free >= solver%controls%min_unknowns_estimated) then

@@ -5,7 +5,7 @@
 !! factor, which decide between the two (doc/theory/solver.md, "Too large for a factor").
 !!
 !! Of a divided K each rank has the part of its own elements, and A is the sum of C' K_r C over the ranks: the iteration over the
-!! ranks takes its rows from these parts, and nothing else can serve.
+!! ranks takes its rows from these parts, and BDDC the parts themselves; nothing else can serve.
 module amontons_reduced_system
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -15,7 +15,8 @@ module amontons_reduced_system
   use amontons_element_kinds, only: element_kind_type, facet_kind_type, element_kind, facet_kind, &
     has_midsides
   use amontons_controls, only: linear_solver_controls_type
-  use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS
+  use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, &
+    SOLVER_BDDC
   use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
     is_same_pattern
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
@@ -27,9 +28,9 @@ module amontons_reduced_system
     apply_preconditioner, discard_preconditioner, choose_n_parts, elements_of_part, &
     two_level_megabytes
   use amontons_mpi_ranks, only: this_rank, n_ranks, min_over_ranks
-  use amontons_distributed_solver, only: distributed_solver_type, create_distributed, update_distributed, apply_distributed, &
-    solve_distributed, DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, &
-    DISTRIBUTED_NAMES
+  use amontons_distributed_solver, only: distributed_solver_type, create_distributed, create_distributed_parts, &
+    update_distributed, apply_distributed, solve_distributed, DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, &
+    DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, DISTRIBUTED_BDDC, DISTRIBUTED_NAMES
   use amontons_distributed_two_level, only: distributed_two_level_type, create_distributed_two_level, &
     update_distributed_two_level, apply_distributed_two_level, solve_distributed_two_level
   use amontons_constraints, only: constraints_type
@@ -304,7 +305,7 @@ contains
       iteration_operations=self%controls%operations_per_entry * real(size(self%matrix%column), DP))
     if (self%is_divided) then
       self%is_iterative = .true.
-      self%distributed_kind = DISTRIBUTED_TWO_LEVEL
+      if (self%distributed_kind /= DISTRIBUTED_BDDC) self%distributed_kind = DISTRIBUTED_TWO_LEVEL
     else if (.not. self%is_iterative) then
       call find_factor_cost(self, constraints, error)
       if (allocated(error)) return
@@ -333,6 +334,7 @@ contains
     if (requested_solver == SOLVER_GAMG) kind = DISTRIBUTED_GAMG
     if (requested_solver == SOLVER_HYPRE) kind = DISTRIBUTED_HYPRE
     if (requested_solver == SOLVER_MUMPS) kind = DISTRIBUTED_MUMPS
+    if (requested_solver == SOLVER_BDDC) kind = DISTRIBUTED_BDDC
   end function requested_kind
 
 
@@ -385,11 +387,16 @@ contains
     do i = 1, constraints%n_unknowns
       if (constraints%free_of(i) > 0) unknown(constraints%free_of(i)) = i
     end do
-    call create_distributed(self%distributed, self%distributed_kind, self%matrix, unknown, of_node, mesh%coordinates, error)
+    if (self%distributed_kind == DISTRIBUTED_BDDC) then
+      call create_distributed_parts(self%distributed, self%matrix, held_unknowns(self, constraints, mesh), &
+        of_node(nodes_of(constraints)), unknown, mesh%coordinates, error)
+    else
+      call create_distributed(self%distributed, self%distributed_kind, self%matrix, unknown, of_node, mesh%coordinates, error)
+    end if
   end subroutine distribute
 
 
-  !> The free unknowns to which elements of this rank contribute.
+  !> The free unknowns to which elements of this rank contribute: all of a whole matrix.
   function held_unknowns(self, constraints, mesh) result(is_held)
     type(reduced_system_type), intent(in) :: self
     type(constraints_type), intent(in) :: constraints
@@ -397,6 +404,8 @@ contains
     logical :: is_held(constraints%n_free)
     logical :: is_own(mesh%n_nodes)                ! a node of an element of this rank
     integer :: e, i
+    is_held = .not. self%is_divided
+    if (.not. self%is_divided) return
     is_own = .false.
     do e = 1, mesh%n_elements
       if (self%rank_of(e) == this_rank()) is_own(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
@@ -542,7 +551,8 @@ contains
     real(DP) :: whole_memory
     whole_memory = total_megabytes()
     associate (cost => self%cost)
-      if (any(self%requested_solver == [SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS])) then
+      if (any(self%requested_solver == [SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, &
+        SOLVER_BDDC])) then
         reason = 'as SOLVER requests'
       else if (cost%is_factor_too_large .and. cost%factor_megabytes <= 0.0_DP) then
         reason = 'because the factor would have more entries than can be counted (17 gigabytes)'

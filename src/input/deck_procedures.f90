@@ -10,7 +10,7 @@ module amontons_deck_procedures
   use amontons_distributed_solver, only: has_distributed_solvers
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, path_end_type, SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, &
-    SOLVER_MUMPS
+    SOLVER_MUMPS, SOLVER_BDDC
   use amontons_structural_data, only: find_node_directors
   use amontons_text, only: to_text, parse_real, NUMBER_OK
   use amontons_element_kinds, only: KIND_SPRINGA
@@ -20,7 +20,7 @@ module amontons_deck_procedures
 
 contains
 
-  !> SOLVER=GAMG, HYPRE or MUMPS, which only a program with PETSc has; BDDC is not there.
+  !> SOLVER=GAMG, HYPRE, MUMPS or BDDC, which only a program with PETSc has.
   subroutine read_distributed_solver(reader, c, name, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -34,8 +34,7 @@ contains
     case ('MUMPS')
       step%solver = SOLVER_MUMPS
     case ('BDDC')
-      call report_error(reader, reader%cards%cards(c)%line, 'SOLVER=BDDC is not available; amontons-mpi has GAMG, HYPRE, MUMPS.')
-      return
+      step%solver = SOLVER_BDDC
     case default
       return
     end select

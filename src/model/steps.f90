@@ -11,7 +11,7 @@ module amontons_steps
   public :: LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO
   public :: TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
   public :: PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION
-  public :: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS
+  public :: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, SOLVER_BDDC
   public :: INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   public :: N_FRD, FRD_DISP, FRD_FORC, FRD_NDTEMP, FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_THSTRAIN, FRD_PE, FRD_ENER, &
     FRD_CONTACT, FRD_CELS, FRD_SDV, FRD_ERROR
@@ -23,7 +23,7 @@ module amontons_steps
   integer, parameter :: TANGENT_LAGGED = 2       !< K is that of the start of the attempt at the increment
   integer, parameter :: SOLVER_AUTO = 0, SOLVER_ITERATIVE = 1
   integer, parameter :: SOLVER_GRADIENTS = 2       !< nonlinear conjugate gradients: residual evaluations only
-  integer, parameter :: SOLVER_GAMG = 3, SOLVER_HYPRE = 4, SOLVER_MUMPS = 5   !< distributed over the ranks
+  integer, parameter :: SOLVER_GAMG = 3, SOLVER_HYPRE = 4, SOLVER_MUMPS = 5, SOLVER_BDDC = 6   !< distributed over the ranks
 
   integer, parameter :: INTERFACE_AUTO = 0         !< contact subproblem: the cheaper of DENSE and SKIN
   integer, parameter :: INTERFACE_DENSE = 1        !< on the dense matrix of the interface

@@ -3,6 +3,7 @@
     python -m verify.benchmark.ranks_table [--fixed 26] [--ranks 1 2 4 16 64] [--weak 10] [--weak-ranks 1 2 4 8 16]
     python -m verify.benchmark.ranks_table --speed linear plastic [--edge 54]
     python -m verify.benchmark.ranks_table --shares [--ranks 1 2 4] [--edge 54]
+    python -m verify.benchmark.ranks_table --solvers [--ranks 1 2 4 8 16] [--edge 16]
 
 The first command solves a fixed cube of C3D8 on so many ranks, and cubes whose unknowns grow with the ranks (weak scaling: the edge is
 that of one rank times the cube root of the ranks). Iterations and counters are those that the job prints; they do not depend on how
@@ -13,6 +14,9 @@ medians and their ratio: a linear cube, and the same cube with plasticity and NL
 
 With --shares it prints what the rank with most takes for the linear cube: processor seconds, in which it may wait for others, and the
 peak of memory (GNU time, apt-get install time). They depend little on what else the machine does.
+
+With --solvers it prints the iterations of the program's own two levels and of PETSc's solvers for a fixed cube of C3D8 and for a bar of
+C3D20, ten times as long as thick and nearly incompressible (nu = 0.49).
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -31,7 +35,8 @@ from pathlib import Path
 
 from verify.benchmark.estimate_table import cube
 from verify.distributed import ranks_and_serial
-from verify.distributed.ranks_and_serial import Outcome, run
+from verify.distributed.ranks_and_serial import Outcome, run, with_solver
+from verify.invariance.test_solvers import cantilever
 
 SOLVER = ", SOLVER=ITERATIVE SCALING"
 HEAD = (
@@ -44,6 +49,7 @@ COUNTERS = re.compile(
 )
 EXCHANGES = 3  #: of an iteration: the direction, the residual, and what U gives in the halo
 N_TURNS = 3
+SOLVERS = {"two levels": "ITERATIVE SCALING", "GAMG": "GAMG", "hypre": "HYPRE", "BDDC": "BDDC"}
 
 
 def plastic(edge: int) -> str:
@@ -100,6 +106,21 @@ def shares(folder: Path, edge: int, n_ranks: int) -> str:
     return f"| {n_ranks} | {seconds:.1f} | {max(peak for *_, peak in lines) / 1024:.0f} |"
 
 
+def iterations_of(folder: Path, deck: str, solver: str, n_ranks: int) -> str:
+    """Of a linear job; more than the limit: it ended with a factor."""
+    text = checked(folder, with_solver(deck, solver), n_ranks).text
+    found = re.search(r"Krylov iterations +(\d+)", text)
+    return ("> " if "a factor is used" in text else "") + (found[1] if found else "-")
+
+
+def compare_solvers(folder: Path, edge: int, ranks: Sequence[int]) -> None:
+    """Prints the table."""
+    print(f"| model | ranks | {' | '.join(SOLVERS)} |\n|{'---|' * (2 + len(SOLVERS))}")
+    for name, deck in (("cube", cube(edge, "")), ("bar", cantilever("C3D20", (3, 3, 30), 0.49))):
+        for n in ranks:
+            print(f"| {name} | {n} | {' | '.join(iterations_of(folder, deck, solver, n) for solver in SOLVERS.values())} |", flush=True)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -110,10 +131,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speed", nargs="*", choices=["linear", "plastic"], default=[])
     parser.add_argument("--edge", type=int, default=54)
     parser.add_argument("--shares", action="store_true")
+    parser.add_argument("--solvers", action="store_true")
     options = parser.parse_args(arguments)
     ranks_and_serial.TIME_LIMIT = 3600
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        if options.solvers:
+            compare_solvers(folder, options.edge, options.ranks)
+            return 0
         if options.shares:
             print("| ranks | processor s of a rank | peak of a rank, MB |\n|---|---|---|")
             for n in options.ranks:

@@ -97,6 +97,75 @@ def test_two_level_iteration(tmp_path: Path, kind: str) -> None:
         assert re.search(r"it sends [1-9]\d*\.\d messages and [\d.]+ kilobytes in a Krylov iteration", ranks.text)
 
 
+@pytest.mark.parametrize("n", [1, 2, 4, 8])
+def test_bddc_of_a_slender_bar(tmp_path: Path, n: int) -> None:
+    """A bar of C3D20, nearly incompressible and ten times as long as thick: few iterations, as edges, faces and corners of subdomains are
+    coarse unknowns and interfaces are weighted by their Schur complements (6, 11 and 14 on 2, 4 and 8 ranks); 77 by two levels."""
+    deck = cantilever("C3D20", (3, 3, 30), 0.49)
+    serial = run(tmp_path / "serial", deck, 0)
+    ranks = run(tmp_path / "ranks", with_solver(deck, "BDDC"), n)
+    assert "are distributed and solved by BDDC." in ranks.text and "a factor is used" not in ranks.text, ranks.text
+    what, worst = difference(serial, ranks)
+    assert what == "" and worst < 1e-9
+    assert krylov_iterations(ranks) <= 25
+
+
+def bodies(n: int, step: tuple[int, int]) -> str:
+    """Columns of six hexahedra, each beside the last by a step in x and y: apart (2 and more), or joined by an edge alone (1, 1)."""
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    number: dict[tuple[int, int, int], int] = {}
+    elements = [
+        [number.setdefault((b * step[0] + x, b * step[1] + y, z + k), len(number) + 1) for k in (0, 1) for x, y in corners]
+        for b in range(n)
+        for z in range(6)
+    ]
+    ends = {name: "".join(f"{i}\n" for place, i in number.items() if place[2] == z) for name, z in (("LOW", 0), ("HIGH", 6))}
+    return (
+        "*NODE\n"
+        + "".join(f"{i}, {x}., {y}., {z}.\n" for (x, y, z), i in number.items())
+        + "*ELEMENT, TYPE=C3D8, ELSET=ALL\n"
+        + "".join(", ".join(map(str, [e, *nodes])) + "\n" for e, nodes in enumerate(elements, 1))
+        + "".join(f"*NSET, NSET={name}\n{labels}" for name, labels in ends.items())
+        + "*MATERIAL, NAME=M\n*ELASTIC\n210000., 0.3\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n"
+        + "*STEP\n*STATIC\n*BOUNDARY\nLOW, 1, 3\n*CLOAD\nHIGH, 1, 1.\nHIGH, 3, -2.\n*END STEP\n"
+    )
+
+
+@pytest.mark.parametrize("kind", ["apart", "hinged", "equations"])
+def test_bddc_of_odd_parts(tmp_path: Path, kind: str) -> None:
+    """Parts of several bodies; parts that share an edge alone, in which they can turn; equations between unknowns of all ranks. Five ranks."""
+    if kind == "equations":
+        deck = cantilever("C3D8", (2, 2, 20))
+        tip = [int(word) for word in re.findall(r"\d+", deck.split("NSET=TIP\n")[1].split("*")[0])]
+        deck = deck.replace("*MATERIAL", "".join(f"*EQUATION\n2\n{label}, 3, 1., {tip[0]}, 3, -1.\n" for label in tip[1:]) + "*MATERIAL")
+    else:
+        deck = bodies(4, (3, 0) if kind == "apart" else (1, 1))
+    serial = run(tmp_path / "serial", deck, 0)
+    ranks = run(tmp_path / "ranks", with_solver(deck, "BDDC"), 5)
+    assert serial.code == 0 and "are distributed and solved by BDDC." in ranks.text, ranks.text
+    what, worst = difference(serial, ranks)
+    assert what == "" and worst < 1e-9
+
+
+@pytest.mark.parametrize("name", ["mixed/element-C3D20-nl", "mixed/plastic-C3D8-isotropic-T-nl", "feature/tie-C3D8-C3D20-nl"])
+def test_bddc_of_nonlinear_decks(tmp_path: Path, name: str) -> None:
+    """New values in each iteration, ranks without elements, ties: the Newton iterations of the serial program, fields within its tolerance."""
+    deck = all_decks()[name]
+    serial = run(tmp_path / "serial", deck, 0, DIALECT)
+    ranks = run(tmp_path / "ranks", with_solver(deck, "BDDC"), 4, DIALECT)
+    assert serial.code == 0 and "are distributed and solved by BDDC." in ranks.text, ranks.text
+    what, worst = difference(serial, ranks)
+    assert what == "" and worst < 1e-5
+
+
+def test_bddc_is_refused(tmp_path: Path) -> None:
+    """Contact joins elements of several ranks: a sentence names what is allowed. One rank has the whole stiffness."""
+    refused = run(tmp_path / "two", with_solver(deck_of(Model(2)), "BDDC"), 2)
+    assert refused.code == 4 and errors_in(refused) == 1, refused.text
+    assert "SOLVER=BDDC on several ranks" in refused.text and "GAMG, HYPRE and MUMPS are allowed" in re.sub(r"\s+", " ", refused.text)
+    assert run(tmp_path / "one", with_solver(deck_of(Model(2)), "BDDC"), 1).code == 0
+
+
 def krylov_iterations(outcome: Outcome) -> int:
     """The number in the table of the job."""
     return int(re.search(r"Krylov iterations +(\d+)", outcome.text)[1])
@@ -144,14 +213,15 @@ def test_follower_pressure(tmp_path: Path) -> None:
         assert what == "" and worst < 1e-7
 
 
-def test_whole_stiffness_for_a_factor(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("solver", "name"), [("ITERATIVE SCALING", "two-level iteration"), ("BDDC", "BDDC")])
+def test_whole_stiffness_for_a_factor(tmp_path: Path, solver: str, name: str) -> None:
     """A strut beyond its buckling load: the tangent is not positive definite, the ranks make the divided stiffness whole and take a factor,
     in the iterations of the serial program and with its fields. Strict criteria, as iterated directions are inexact."""
     deck = bar("*CONTROLS, PARAMETERS=FIELD\n1e-12, 1e-12\n*CLOAD\nTIP, 1, 0.5\nTIP, 3, -2000.\n")
-    serial, *ranks = (run(tmp_path / str(n), deck, n) for n in (0, 2, 4))
+    serial, *ranks = (run(tmp_path / str(n), with_solver(deck, solver) if n else deck, n) for n in (0, 2, 4))
     assert serial.code == 0 and "did not converge: a factor is used" in serial.text
     for outcome in ranks:
-        assert "solved by two-level iteration" in outcome.text and "did not converge: a factor is used" in outcome.text
+        assert f"solved by {name}" in outcome.text and "did not converge: a factor is used" in outcome.text
         what, worst = difference(serial, outcome)
         assert what == "" and worst < TOLERANCE
 
@@ -220,11 +290,21 @@ def test_same_bits_again(tmp_path: Path, solver: str) -> None:
         assert [name for name, values in first.fields.items() if values.tobytes() != again.fields[name].tobytes()] == []
 
 
+def test_same_bits_again_by_bddc(tmp_path: Path) -> None:
+    """Eight ranks of which several share an edge, six times: PETSc alone adds their coarse matrices by arrival: ten runs gave eight results."""
+    deck = with_solver(cantilever("C3D20", (5, 5, 5), 0.49), "BDDC")
+    first = run(tmp_path / "first", deck, 8)
+    assert first.code == 0 and "a factor is used" not in first.text, first.text
+    for k in range(5):
+        again = run(tmp_path / f"again{k}", deck, 8)
+        assert [name for name, values in first.fields.items() if values.tobytes() != again.fields[name].tobytes()] == []
+
+
 def test_serial_program_refuses(tmp_path: Path) -> None:
-    """Without PETSc its solvers are errors of the deck, reported with what is allowed; BDDC is one in both programs."""
-    for n, solver, word in ((0, "GAMG", "amontons-mpi has (make MPI=1)"), (0, "BDDC", "is not available"), (2, "BDDC", "is not available")):
-        outcome = run(tmp_path / f"{solver}{n}", cube(2, f", SOLVER={solver}"), n)
-        assert outcome.code == 3 and word in outcome.text and outcome.text.count("*ERROR: SOLVER") == 1
+    """Without PETSc its solvers are errors of the deck, reported with what is allowed."""
+    for solver in ("GAMG", "BDDC"):
+        outcome = run(tmp_path / solver, cube(2, f", SOLVER={solver}"), 0)
+        assert outcome.code == 3 and "amontons-mpi has (make MPI=1)" in outcome.text and outcome.text.count("*ERROR: SOLVER") == 1
 
 
 def errors_in(outcome: Outcome) -> int:

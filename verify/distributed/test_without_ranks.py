@@ -13,7 +13,7 @@ from verify.benchmark.estimate_table import cube
 from verify.distributed.ranks_and_serial import run
 
 
-@pytest.mark.parametrize(("solver", "word"), [("GAMG", "amontons-mpi has (make MPI=1)"), ("HYPRE", "amontons-mpi has"), ("MUMPS", "amontons-mpi has"), ("BDDC", "is not available")])
+@pytest.mark.parametrize(("solver", "word"), [("GAMG", "amontons-mpi has (make MPI=1)"), ("HYPRE", "amontons-mpi has"), ("MUMPS", "amontons-mpi has"), ("BDDC", "amontons-mpi has")])
 def test_solver_of_petsc(tmp_path: Path, solver: str, word: str) -> None:
     """The error names the card, its line and what is allowed; another name of CalculiX leaves the choice to the program."""
     deck = cube(2, f", SOLVER={solver}")
