@@ -19,10 +19,11 @@ uses_blas_lapack = kinds
 uses_dense = kinds blas_lapack
 uses_anderson_acceleration = kinds dense
 uses_column_singletons = kinds
-uses_sparse = kinds containers errors
+uses_sparse = kinds errors
 uses_factorization = kinds errors sparse
 uses_graph_partition = containers errors sparse
 uses_krylov = kinds errors sparse
+uses_matrix_reduction = kinds containers errors sparse
 uses_midside_interpolation = kinds errors sparse
 uses_null_space = kinds dense
 uses_point_partition = kinds
@@ -118,7 +119,7 @@ uses_deck_loads = kinds text containers tensor element_kinds loads materials str
 uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
 uses_deck_steps = kinds text controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_materials deck_initial_conditions deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions
@@ -185,8 +186,8 @@ uses_unpaired_contact = kinds text containers model facets exterior_surface face
 
 # equilibrium
 uses_arc_length = kinds steps model state
-uses_reduced_system = kinds text errors posix sparse factorization graph_partition krylov two_level_preconditioner mpi_ranks distributed_solver distributed_two_level controls element_kinds mesh steps constraints
-uses_schur_interface = kinds errors dense sparse factorization graph_partition woodbury_interface controls constraints
+uses_reduced_system = kinds text errors posix sparse factorization graph_partition krylov matrix_reduction two_level_preconditioner mpi_ranks distributed_solver distributed_two_level controls element_kinds mesh steps constraints
+uses_schur_interface = kinds errors dense sparse factorization graph_partition matrix_reduction woodbury_interface controls constraints
 uses_contact_coarse_space = kinds blas_lapack sparse point_partition constraints reduced_system
 uses_contact_tiles = kinds errors blas_lapack sparse
 uses_contact_preconditioner = kinds errors dense sparse point_partition controls constraints reduced_system contact_coarse_space contact_tiles

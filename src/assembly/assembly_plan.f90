@@ -14,7 +14,7 @@ module amontons_assembly_plan
   use amontons_errors, only: error_type
   use amontons_element_kinds, only: MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes
-  use amontons_sparse, only: sparse_type, multiply_symmetric
+  use amontons_sparse, only: sparse_type, multiply_symmetric, alike_rows
   use amontons_unsymmetric_tangent, only: skew_part_type
   use amontons_graph_partition, only: partition_mesh
   use amontons_point_partition, only: partition_points
@@ -309,7 +309,7 @@ contains
     integer, intent(in) :: n_nodes
     integer :: i, r, k, n, position
     associate (K_matrix => assembly%stiffness)
-      K_matrix = sparse_type(n_rows=3 * n_nodes, n_columns=3 * n_nodes, has_node_blocks=.true.)
+      K_matrix = sparse_type(n_rows=3 * n_nodes, n_columns=3 * n_nodes)
       allocate (K_matrix%first(3 * n_nodes + 1))
       n = 9 * size(assembly%graph_node) - 3 * n_nodes
       allocate (K_matrix%column(n), K_matrix%value(n))
@@ -324,6 +324,7 @@ contains
       end do
       K_matrix%first(3 * n_nodes + 1) = position
     end associate
+    assembly%stiffness%n_alike = alike_rows(assembly%stiffness)
 
   contains
 

@@ -7,6 +7,7 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
+#include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdint.h>
@@ -236,6 +237,16 @@ void amontons_watch_end(int is_on)
     sigaction(SIGABRT, &abort_before, NULL);
   }
   is_watching_end = is_on;
+}
+
+/* Blocks of 4 MB and more go back to the system when they are freed. By default the threshold follows the blocks that were freed, up
+ * to 32 MB: then the blocks of one phase of a job leave holes that the next one does not fill. */
+void amontons_return_blocks(void)
+{
+#ifdef M_MMAP_THRESHOLD
+  mallopt(M_MMAP_THRESHOLD, 4 << 20);
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+#endif
 }
 
 /* Ends the process at once. */

@@ -21,7 +21,7 @@ module amontons_distributed_two_level
   use amontons_kinds, only: DP, I64
   use amontons_containers, only: owners_of_entries
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric, alike_rows
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, take_coarse_space, factorise_first_level, &
     factorise_second_level, apply_first_level, restrict_residual, solve_second_level, add_correction
@@ -85,6 +85,7 @@ contains
       call find_halo(self%halo, pattern, owner, this_rank())
       call take_submatrix(pattern, self%halo%unknown, self%matrix, self%source)
     end if
+    self%matrix%n_alike = alike_rows(self%matrix)
     if (allocated(self%place)) deallocate (self%place)
     allocate (self%place(size(owner)))
     n = 0

@@ -11,8 +11,7 @@ module amontons_analysis
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_NOT_CONVERGED, EXIT_SOLVER, &
     EXIT_INTERNAL
-  use amontons_posix, only: is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory, &
-    checksum_of_text
+  use amontons_posix, only: is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
   use amontons_version, only: VERSION
   use amontons_distributed_two_level, only: describe_messages
   use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error, check_agreement
@@ -39,7 +38,7 @@ module amontons_analysis
   use amontons_arc_length, only: begin_path, is_path_done, path_fraction
   use amontons_inertia, only: begin_motion, conclude_inertia, implicit_loss
   use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment, evaluate_points, &
-    is_matrix_free_step, OUTCOME_OK
+    discard_matrices, is_matrix_free_step, OUTCOME_OK
   use amontons_model_check, only: check_model, summarize_model
   use amontons_model_check_motion, only: find_free_motion
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
@@ -139,6 +138,7 @@ contains
       !$omp end critical (result_files)
       call share_error(error)
     end if
+    if (allocated(analysis%model%deck_text)) deallocate (analysis%model%deck_text)   ! the result file contains it
     analysis%is_open = .not. allocated(error)
     call analysis%system%clock%read(PHASE_OUTPUT)
   end subroutine start_analysis
@@ -160,9 +160,9 @@ contains
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    integer(I64) :: checksum
-    checksum = checksum_of_text(model%deck_text)
-    call check_agreement([real(ibits(checksum, 0, 32), DP), real(ibits(checksum, 32, 32), DP)], 'decks', error)
+    associate (checksum => model%deck_checksum)
+      call check_agreement([real(ibits(checksum, 0, 32), DP), real(ibits(checksum, 32, 32), DP)], 'decks', error)
+    end associate
     if (allocated(error)) return
     if (allocated(options%user) .or. any(model%materials%is_user)) call set_error(error, EXIT_USAGE, &
       'User routines run with one rank; the job has ' // to_text(n_ranks()) // '.')
@@ -453,6 +453,7 @@ contains
     call analysis%system%clock%read(PHASE_OTHER)
     first = analysis%n_committed + 1
     if (analysis%n_records < first) return
+    if (is_at_end(analysis) .and. is_batch(analysis)) call discard_matrices(analysis%system)
     call save_commit(analysis, .not. is_batch(analysis))
     call call_external_databases(analysis%model, LOP_INCREMENT_END, analysis%state%old)
     if (analysis%is_step_start) call call_external_databases(analysis%model, LOP_STEP_END, analysis%state%old)

@@ -3,7 +3,7 @@
 program amontons
   use omp_lib, only: omp_get_max_threads
   use amontons_errors, only: error_type, set_error, EXIT_SUCCESS, EXIT_USAGE, EXIT_IO
-  use amontons_posix, only: restart_passive_threads, set_exit_handler, end_process, install_signal_handlers
+  use amontons_posix, only: restart_passive_threads, return_large_blocks, set_exit_handler, end_process, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
   use amontons_logger, only: logger_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
@@ -42,6 +42,7 @@ contains
     type(model_type) :: model
     character(:), allocatable :: cards
     call set_exit_handler(.true.)
+    call return_large_blocks()
     call begin_ranks()
     call open_log(logger, .false., PROGRESS_NONE)
     call read_command(command, error)

@@ -23,7 +23,7 @@ module amontons_equilibrium
   use amontons_factorization, only: lu_type
   use amontons_mpi_ranks, only: n_ranks
   use amontons_reduced_system, only: reduced_system_type, plan_reduced_solver, is_factor_small, choose_division, discard_analysis, &
-    USE_ONCE, USE_REPEATED, USE_NEWTON
+    discard_iteration, USE_ONCE, USE_REPEATED, USE_NEWTON
   use amontons_schur_interface, only: schur_interface_type
   use amontons_contact_preconditioner, only: skin_type
   use amontons_free_rigid_motions, only: free_motions_type
@@ -55,7 +55,8 @@ module amontons_equilibrium
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: mean_diagonal_stiffness, is_matrix_free_step, has_moving_supports, evaluate_points
-  public :: undivide_matrix, update_base_constraints, discard_bulk_factor, interface_unknowns, n_interface_unknowns
+  public :: undivide_matrix, update_base_constraints, discard_bulk_factor, discard_matrices, &
+    interface_unknowns, n_interface_unknowns
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
 
@@ -796,6 +797,14 @@ contains
     if (allocated(system%skin%memory%is_near)) deallocate (system%skin%memory%is_near)
     if (allocated(system%bulk_factor_u)) deallocate (system%bulk_factor_u)
   end subroutine discard_bulk_factor
+
+
+  !> Frees K, A and the preconditioner: no direction will follow, and the last output needs memory.
+  subroutine discard_matrices(system)
+    type(equilibrium_type), intent(inout) :: system
+    system%assembly%stiffness = sparse_type()
+    call discard_iteration(system%reduced_system)
+  end subroutine discard_matrices
 
 
   !> Free unknowns of the contact interface, those of the dense interface.

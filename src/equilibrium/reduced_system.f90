@@ -15,10 +15,9 @@ module amontons_reduced_system
   use amontons_element_kinds, only: element_kind_type, facet_kind_type, element_kind, facet_kind, &
     has_midsides
   use amontons_controls, only: linear_solver_controls_type
-  use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, &
-    SOLVER_BDDC
-  use amontons_sparse, only: sparse_type, reduction_type, analyse_reduction, reduce_matrix, &
-    is_same_pattern
+  use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, SOLVER_BDDC
+  use amontons_sparse, only: sparse_type, is_same_pattern
+  use amontons_matrix_reduction, only: reduction_type, analyse_reduction, reduce_matrix
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
   use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, order_unknowns_by_node, &
@@ -38,7 +37,7 @@ module amontons_reduced_system
   private
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
     factorise_reduced_system, apply_reduced_inverse, iterate_reduced_system, abandon_iteration, discard_analysis, &
-    old_factor_iterations, renew_matrix, choose_division
+    discard_iteration, old_factor_iterations, renew_matrix, choose_division
 
   !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner; directions of
   !! Newton's method, of which those of an increment share a factor or preconditioner.
@@ -268,7 +267,6 @@ contains
     if (is_known) return
     call analyse_reduction(stiffness, constraints%transformation, self%reduction, self%matrix, error)
     if (allocated(error)) return
-    if (self%is_divided) deallocate (self%matrix%value)   ! only the sum on the domain is kept
     call choose_solver(self, constraints, mesh, error)
     if (allocated(error)) return
     self%analysed_map = constraints%transformation
@@ -589,12 +587,20 @@ contains
     call acquire_lock(turn)
     self%is_iteration_abandoned = .true.
     self%is_iterative = .false.
+    call discard_iteration(self)
+    self%message = pending_message(self) // 'The iterative solver did not converge: a factor is used in its place.'
+  end subroutine abandon_iteration
+
+
+  !> Frees A and its preconditioner or distributed solver.
+  subroutine discard_iteration(self)
+    type(reduced_system_type), intent(inout) :: self
+    self%matrix = sparse_type()
     call discard_preconditioner(self%iterative)
     self%distributed = distributed_solver_type()
     self%divided = distributed_two_level_type()
-    self%message = pending_message(self) // 'The iterative solver did not converge: a factor is used in its place.'
     call discard_analysis(self)
-  end subroutine abandon_iteration
+  end subroutine discard_iteration
 
 
   !> The parts of the mesh whose rigid motions are the second level of the preconditioner.

@@ -16,9 +16,8 @@
 module amontons_schur_interface
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SOLVER
-  use amontons_sparse, only: sparse_type, reduction_type, sparse_from_triplets, sparse_transpose, analyse_reduction, &
-    reduce_matrix, &
-    is_same_pattern
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, is_same_pattern
+  use amontons_matrix_reduction, only: reduction_type, analyse_reduction, reduce_matrix
   use amontons_dense, only: factorise_dense, solve_dense, find_matrix_scales, is_rank_deficient, multiply_triangular, &
     triangular_product, DENSE_OK
   use amontons_woodbury_interface, only: woodbury_type, contact_springs_type, invert_interface_stiffness, &

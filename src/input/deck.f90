@@ -33,6 +33,7 @@ module amontons_deck
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
   use amontons_deck_plausibility, only: report_traps, report_mixed_units
+  use amontons_posix, only: checksum_of_text
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
   use amontons_text, only: is_one_of, name_key, plural, parse_integer, NUMBER_OK
@@ -116,6 +117,7 @@ contains
     if (reader%messages%n_errors == 0) call join_decks(reader%cards, reader%messages, options, model%origin, error)
     if (allocated(error)) return
     model%deck_text = reader%cards%text(:reader%cards%text_length)
+    model%deck_checksum = checksum_of_text(model%deck_text)
     call substitute_parameters(reader%cards, reader%messages)
     call generate_mesh(reader%cards, reader%messages)
     call check_assembly(reader)

@@ -54,7 +54,7 @@ module amontons_two_level_preconditioner
     type(sparse_type) :: inner                         !< pattern of U by rows, if there are several domains
     integer :: n_parts = 0
     integer, allocatable :: part(:)                    !< (n) of each unknown
-    real(DP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
+    real(SP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
     type(sparse_type) :: interpolation                 !< P, in place of the motions as Z; not allocated: the motions serve
     logical :: has_coarse_space = .false.              !< Z'AZ is positive definite
     type(sparse_type) :: coarse_pattern                !< of Z'AZ, as analysed
@@ -126,7 +126,7 @@ contains
     allocate (self%motion(6, size(part)))
     do i = 1, size(part)
       p = part(i)
-      self%motion(:, i) = rigid_motion(axis(i), (place(:, i) - centre(:, p)) / max(extent(p), tiny(1.0_DP)))
+      self%motion(:, i) = real(rigid_motion(axis(i), (place(:, i) - centre(:, p)) / max(extent(p), tiny(1.0_DP))), SP)
     end do
     call orthonormalize_motions(self)
   end subroutine build_coarse_space
@@ -199,7 +199,7 @@ contains
     gram = 0
     do i = 1, size(self%part)
       do m = 1, 6
-        gram(:, m, self%part(i)) = gram(:, m, self%part(i)) + self%motion(:, i) * self%motion(m, i)
+        gram(:, m, self%part(i)) = gram(:, m, self%part(i)) + real(self%motion(:, i), DP) * real(self%motion(m, i), DP)
       end do
     end do
     turn = 0
@@ -211,7 +211,7 @@ contains
       end do
     end do
     do i = 1, size(self%part)
-      self%motion(:, i) = matmul(turn(:, :, self%part(i)), self%motion(:, i))
+      self%motion(:, i) = real(matmul(turn(:, :, self%part(i)), real(self%motion(:, i), DP)), SP)
     end do
   end subroutine orthonormalize_motions
 
@@ -488,7 +488,7 @@ contains
     real(DP) :: product(6)
     integer :: p, k, b, m
     p = matrix%first(i)
-    product = 0.5_DP * matrix%value(p) * self%motion(:, i)
+    product = 0.5_DP * matrix%value(p) * real(self%motion(:, i), DP)
     b = self%part(i)
     do k = p + 1, matrix%first(i + 1)
       if (k == matrix%first(i + 1)) then
@@ -496,9 +496,9 @@ contains
       else if (self%part(matrix%column(k)) /= b) then
         call add_product()
         b = self%part(matrix%column(k))
-        product = matrix%value(k) * self%motion(:, matrix%column(k))
+        product = matrix%value(k) * real(self%motion(:, matrix%column(k)), DP)
       else
-        product = product + matrix%value(k) * self%motion(:, matrix%column(k))
+        product = product + matrix%value(k) * real(self%motion(:, matrix%column(k)), DP)
       end if
     end do
 
@@ -514,7 +514,7 @@ contains
         block_row(:, :, n_touched) = 0
       end if
       do m = 1, 6
-        block_row(:, m, block_of(b)) = block_row(:, m, block_of(b)) + self%motion(:, i) * product(m)
+        block_row(:, m, block_of(b)) = block_row(:, m, block_of(b)) + real(self%motion(:, i), DP) * product(m)
       end do
     end subroutine add_product
 
@@ -567,18 +567,37 @@ contains
     type(two_level_preconditioner_type), intent(in) :: self
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), allocatable, intent(out) :: c(:)         !< a number for each column of Z
-    integer :: i
+    integer :: i, d
     if (allocated(self%interpolation%first)) then
       allocate (c(self%interpolation%n_columns))
       call multiply_transpose(self%interpolation, r, c)
       return
     end if
     allocate (c(6 * self%n_parts), source=0.0_DP)
-    do i = 1, size(self%part)
-      associate (a => 6 * (self%part(i) - 1))
-        c(a + 1:a + 6) = c(a + 1:a + 6) + self%motion(:, i) * r(i)
-      end associate
+    if (self%n_domains == 1) then
+      do i = 1, size(self%part)
+        call add_motion(i)
+      end do
+      return
+    end if
+    !$omp parallel do schedule(static, 1) private(i) num_threads(self%n_domains)
+    do d = 1, self%n_domains                             ! no part is in two of them
+      do i = self%domain_first(d), self%domain_first(d + 1) - 1
+        call add_motion(self%domain_unknown(i))
+      end do
     end do
+    !$omp end parallel do
+
+  contains
+
+    !> An unknown's part of the sum.
+    subroutine add_motion(k)
+      integer, intent(in) :: k
+      associate (a => 6 * (self%part(k) - 1))
+        c(a + 1:a + 6) = c(a + 1:a + 6) + real(self%motion(:, k), DP) * r(k)
+      end associate
+    end subroutine add_motion
+
   end subroutine restrict_residual
 
 
@@ -606,11 +625,13 @@ contains
       z = z + correction
       return
     end if
+    !$omp parallel do schedule(static) num_threads(self%n_domains)
     do i = 1, size(self%part)
       associate (a => 6 * (self%part(i) - 1))
-        z(i) = z(i) + dot_product(self%motion(:, i), c(a + 1:a + 6))
+        z(i) = z(i) + dot_product(real(self%motion(:, i), DP), c(a + 1:a + 6))
       end associate
     end do
+    !$omp end parallel do
   end subroutine add_correction
 
 

@@ -1,7 +1,7 @@
 !> The complete model as read from the deck, and the job options.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, I64
   use amontons_restart_file, only: state_key_type
   use amontons_containers, only: integer_list_type
   use amontons_mesh, only: mesh_type, append_nodes
@@ -56,7 +56,8 @@ module amontons_model
   type :: model_type
     integer :: dialect = DIALECT_ABAQUS
     character(:), allocatable :: heading        !< text of *HEADING, lines joined by newline
-    character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline
+    character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline; until the job has started
+    integer(I64) :: deck_checksum = 0           !< of this text
     type(mesh_type) :: mesh
     type(structure_type), allocatable :: structure    !< shells, membranes and beams before expansion; unallocated: there are none
     type(material_type), allocatable :: materials(:)

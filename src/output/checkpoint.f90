@@ -11,7 +11,7 @@
 module amontons_checkpoint
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_posix, only: checksum_of_text, continue_checksum, new_file_type, start_new_file, append_words, place_new_file
+  use amontons_posix, only: continue_checksum, new_file_type, start_new_file, append_words, place_new_file
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
   use amontons_hdf5_file, only: hdf5_pages_type
@@ -262,7 +262,7 @@ contains
     call read_words(path, packer, error)
     if (allocated(error)) return
     call packer%exchange(deck)
-    if (deck /= checksum_of_text(model%deck_text)) then
+    if (deck /= model%deck_checksum) then
       call set_error(error, EXIT_IO, 'The deck is not the one of the checkpoint ' // path // ': it has been changed ' // &
         'since the job was begun. Run the job from its start, without --resume.')
       return
@@ -330,7 +330,7 @@ contains
     type(output_lengths_type), intent(inout) :: files
     type(fields_type), intent(inout), optional :: committed   !< in place of those of the snapshot
     integer(I64) :: deck
-    deck = checksum_of_text(model%deck_text)
+    deck = model%deck_checksum
     call packer%exchange(deck)
     call exchange_stepping(packer, snapshot%stepping)
     call packer%exchange(snapshot%is_step_start)

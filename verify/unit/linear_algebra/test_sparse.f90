@@ -3,9 +3,8 @@
 program test_sparse
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, reduction_type, sparse_from_triplets, &
-    sparse_transpose, full_from_upper, sparse_product, sparse_sum, multiply, multiply_transpose, multiply_symmetric, &
-    analyse_reduction, reduce_matrix
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, full_from_upper, sparse_product, sparse_sum, &
+    multiply, multiply_transpose, multiply_symmetric, alike_rows
   use check, only: suite_type
   use samples, only: dense_of
   implicit none
@@ -16,9 +15,7 @@ program test_sparse
   do k = 1, size(SIZES)
     call test_triplets(SIZES(k), SIZES(k) + 3)
     call test_products(SIZES(k))
-    call test_reduction(SIZES(k), (2 * SIZES(k) + 2) / 3)
   end do
-  call test_reduction(6, 0)
   call test_large()
   call test_node_blocks(1, 1)
   call test_node_blocks(7, 3)
@@ -147,74 +144,6 @@ contains
   end subroutine test_products
 
 
-  !> Rows of C empty, with one entry (1 or another number, columns shared), and with several.
-  subroutine random_relation(n, m, relation, dense)
-    integer, intent(in) :: n, m
-    type(sparse_type), intent(out) :: relation
-    real(DP), allocatable, intent(out) :: dense(:, :)
-    type(error_type), allocatable :: error
-    integer, allocatable :: row(:), column(:)
-    real(DP), allocatable :: value(:)
-    real(DP) :: dice(7)
-    integer :: i, k, width
-    allocate (row(0), column(0), value(0))
-    do i = 1, n
-      call random_number(dice)
-      width = merge(int(5 * dice(1)), int(2 * dice(1)), dice(2) < 0.3_DP)
-      if (m == 0) width = 0
-      do k = 1, width
-        row = [row, i]
-        column = [column, 1 + int(real(m, DP) * dice(2 + k))]
-        value = [value, merge(1.0_DP, dice(1) - 0.5_DP * real(k, DP), width == 1 .and. dice(7) < 0.8_DP)]
-      end do
-    end do
-    call sparse_from_triplets(n, m, row, column, value, relation, error)
-    dense = dense_of(relation)
-  end subroutine random_relation
-
-
-  subroutine test_reduction(n, m)
-    integer, intent(in) :: n, m
-    type(sparse_type) :: k, c, a
-    type(reduction_type) :: reduction
-    type(error_type), allocatable :: error
-    real(DP), allocatable :: dense_k(:, :), dense_c(:, :), expected(:, :)
-    real(DP) :: largest
-    integer :: round, i
-    call random_symmetric(n, k, dense_k)
-    call random_relation(n, m, c, dense_c)
-    call analyse_reduction(k, c, reduction, a, error)
-    call suite%that('reduction: no error', .not. allocated(error))
-    call suite%that('reduction: sorted', is_sorted(a))
-    call suite%that('reduction: diagonal first', all(a%column(a%first(:m)) == [(i, i=1, m)]))
-    do round = 1, 3
-      call reduce_matrix(reduction, k, c, a, error)
-      call suite%that('reduction: values without error', .not. allocated(error))
-      expected = matmul(transpose(dense_c), matmul(dense_k, dense_c))
-      largest = maxval([1.0_DP, abs(expected)])
-      if (m > 0) call suite%near('reduction: C''KC of the dense matrices', &
-        maxval(abs(upper_part(expected) - dense_of(a))), 0.0_DP, 1.0e-16_DP * real(n, DP) * largest)
-      call random_number(k%value)            ! new values in the same patterns
-      call random_number(c%value)
-      if (round == 2) c%value(::3) = 0       ! places of zero entries stay
-      dense_k = dense_of(full_from_upper(k))
-      dense_c = dense_of(c)
-    end do
-  end subroutine test_reduction
-
-
-  !> The upper triangle of a matrix, 0 below.
-  function upper_part(a) result(part)
-    real(DP), intent(in) :: a(:, :)
-    real(DP) :: part(size(a, 1), size(a, 2))
-    integer :: j
-    part = 0
-    do j = 1, size(a, 2)
-      part(:min(j, size(a, 1)), j) = a(:min(j, size(a, 1)), j)
-    end do
-  end function upper_part
-
-
   !> Large enough for threads: against the rows of the full matrix, and bitwise the same twice.
   subroutine test_large()
     integer, parameter :: N = 20000, WIDTH = 15
@@ -236,12 +165,13 @@ contains
   end subroutine test_large
 
 
-  !> Rows of nodes with the same columns: by blocks as row by row, small and large enough for threads.
+  !> Rows of nodes with the same columns, three at a time as one by one, small and large enough for threads; the first node has two
+  !! rows alone.
   subroutine test_node_blocks(n_nodes, width)
     integer, intent(in) :: n_nodes, width          ! width: nodes coupled with a node, each second one
     type(sparse_type) :: matrix
     type(error_type), allocatable :: error
-    real(DP), dimension(3 * n_nodes) :: x, y, by_rows
+    real(DP), dimension(3 * n_nodes - 1) :: x, y, by_rows
     integer, allocatable :: row(:), column(:)
     integer :: node, other, r, s, n
     allocate (row(9 * n_nodes * width), column(9 * n_nodes * width))
@@ -250,26 +180,35 @@ contains
       do r = 1, 3
         do other = node, min(node + 2 * (width - 1), n_nodes), 2
           do s = merge(r, 1, other == node), 3
+            if (node == 1 .and. r == 3 .or. other == 1 .and. s == 3) cycle
             n = n + 1
-            row(n) = 3 * (node - 1) + r
-            column(n) = 3 * (other - 1) + s
+            row(n) = shifted(3 * (node - 1) + r)
+            column(n) = shifted(3 * (other - 1) + s)
           end do
         end do
       end do
     end do
-    call sparse_from_triplets(3 * n_nodes, 3 * n_nodes, row(:n), column(:n), spread(0.0_DP, 1, n), matrix, error)
+    call sparse_from_triplets(3 * n_nodes - 1, 3 * n_nodes - 1, row(:n), column(:n), spread(0.0_DP, 1, n), matrix, error)
     call random_number(matrix%value)
     call random_number(x)
     call multiply_symmetric(matrix, x, by_rows)
-    matrix%has_node_blocks = .true.
+    matrix%n_alike = alike_rows(matrix)
+    call suite%that('alike rows: all but the first node', all(int(matrix%n_alike) == [1, 1, (3 - mod(n, 3), n=0, 3 * n_nodes - 4)]))
     call multiply_symmetric(matrix, x, y)
-    call suite%near('multiply_symmetric: by blocks of nodes', maxval(abs(y - by_rows) / by_rows), 0.0_DP, 1.0e-14_DP)
+    call suite%near('multiply_symmetric: three rows at a time', maxval(abs(y - by_rows) / by_rows), 0.0_DP, 1.0e-14_DP)
+
   end subroutine test_node_blocks
 
 
+  !> Unknowns without the third one of the first node.
+  pure integer function shifted(i)
+    integer, intent(in) :: i
+    shifted = i - merge(1, 0, i > 3)
+  end function shifted
+
+
   subroutine test_errors()
-    type(sparse_type) :: a, c, r
-    type(reduction_type) :: reduction
+    type(sparse_type) :: a
     type(error_type), allocatable :: error
     call sparse_from_triplets(2, 2, [1, 3], [1, 1], [1.0_DP, 1.0_DP], a, error)
     call expect_error('a row outside the matrix', error)
@@ -277,13 +216,6 @@ contains
     call expect_error('a column outside the matrix', error)
     call sparse_from_triplets(2, 2, [1, 2], [1], [1.0_DP, 1.0_DP], a, error)
     call expect_error('triplets of unequal length', error)
-    call sparse_from_triplets(3, 3, [1, 2, 3], [1, 2, 3], [1.0_DP, 1.0_DP, 1.0_DP], a, error)
-    call sparse_from_triplets(2, 2, [1, 2], [1, 2], [1.0_DP, 1.0_DP], c, error)
-    call analyse_reduction(a, c, reduction, r, error)
-    call expect_error('matrix and relation of different sizes', error)
-    call analyse_reduction(c, c, reduction, r, error)
-    call reduce_matrix(reduction, a, c, r, error)
-    call expect_error('a reduction of another pattern', error)
   end subroutine test_errors
 
 

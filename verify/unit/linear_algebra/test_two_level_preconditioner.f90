@@ -226,13 +226,13 @@ contains
     do i = 1, size(part)
       if (part(i) /= 1) cycle
       do j = 1, 6
-        gram(:, j) = gram(:, j) + m%self%motion(:, i) * m%self%motion(j, i)
+        gram(:, j) = gram(:, j) + real(m%self%motion(:, i), DP) * real(m%self%motion(j, i), DP)
       end do
     end do
     do j = 1, 6
       gram(j, j) = gram(j, j) - 1
     end do
-    call suite%that('motions of a part: orthonormal', maxval(abs(gram)) < 1.0e-10_DP)
+    call suite%that('motions of a part: orthonormal in single precision', maxval(abs(gram)) < real(epsilon(1.0), DP))
     call suite%that('a part with one motion: the second level stands', m%self%has_coarse_space)
   end subroutine test_motions
 
@@ -253,7 +253,7 @@ contains
     call build_coarse_space(both%self, part, axis, place, maxval(part))
     call factorise_two_level(both%self, a, is_broken, error)
     call factorise_two_level(one%self, a, is_broken, error)
-    x = [(dot_product(both%self%motion(:, i), C) * real(part(i), DP), i=1, a%n_rows)]
+    x = [(dot_product(real(both%self%motion(:, i), DP), C) * real(part(i), DP), i=1, a%n_rows)]
     allocate (f, z, z1, mold=x)
     call multiply_symmetric(a, x, f)
     call both%apply(f, z)
