@@ -337,14 +337,14 @@ contains
 
 
   !> Ranks share a large system: the iteration always; the factor, as MUMPS, only if they are many: few have each its own, which is
-  !! faster and gives the bits of all.
+  !! faster and gives the bits of all. So has the contact skin, which solves with a factor many times.
   subroutine distribute_by_default(self, n_free)
     type(reduced_system_type), intent(inout) :: self
     integer, intent(in) :: n_free
     if (n_ranks() == 1 .or. n_free < self%controls%min_unknowns_planned .or. self%is_iteration_abandoned) return
     if (self%is_iterative) then
       self%distributed_kind = DISTRIBUTED_TWO_LEVEL
-    else if (n_ranks() >= self%controls%min_ranks_shared) then
+    else if (n_ranks() >= self%controls%min_ranks_shared .and. self%use /= USE_SKIN) then
       self%distributed_kind = DISTRIBUTED_MUMPS
       self%is_iterative = .true.
       self%max_iterations = self%controls%max_cg_iterations
