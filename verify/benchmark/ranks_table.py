@@ -4,6 +4,7 @@
     python -m verify.benchmark.ranks_table --speed linear plastic [--edge 54]
     python -m verify.benchmark.ranks_table --shares [--ranks 1 2 4] [--edge 54]
     python -m verify.benchmark.ranks_table --solvers [--ranks 1 2 4 8 16] [--edge 16]
+    python -m verify.benchmark.ranks_table --plates 80 [--ranks 2 4]
 
 The first command solves a fixed cube of C3D8 on so many ranks, and cubes whose unknowns grow with the ranks (weak scaling: the edge is
 that of one rank times the cube root of the ranks). Iterations and counters are those that the job prints; they do not depend on how
@@ -17,6 +18,9 @@ peak of memory (GNU time, apt-get install time). They depend little on what else
 
 With --solvers it prints the iterations of the program's own two levels and of PETSc's solvers for a fixed cube of C3D8 and for a bar of
 C3D20, ten times as long as thick and nearly incompressible (nu = 0.49).
+
+With --plates it compares the wide plates of verify.benchmark.wide_contact, of so many faces an edge, with the serial program: counts,
+statuses of contact, displacements and reactions.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -34,8 +38,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from verify.benchmark.estimate_table import cube
+from verify.benchmark.wide_contact import Model, deck_of
 from verify.distributed import ranks_and_serial
-from verify.distributed.ranks_and_serial import Outcome, run, with_solver
+from verify.distributed.ranks_and_serial import Outcome, difference, run, with_solver
 from verify.invariance.test_solvers import cantilever
 
 SOLVER = ", SOLVER=ITERATIVE SCALING"
@@ -121,6 +126,17 @@ def compare_solvers(folder: Path, edge: int, ranks: Sequence[int]) -> None:
             print(f"| {name} | {n} | {' | '.join(iterations_of(folder, deck, solver, n) for solver in SOLVERS.values())} |", flush=True)
 
 
+def compare_plates(folder: Path, size: int, ranks: Sequence[int]) -> None:
+    """Prints the table."""
+    deck = deck_of(Model(size, increments=2))
+    serial = checked(folder, deck, 0)
+    counts = " ".join(str(n) for n in re.findall(r"Newton iterations +(\d+)", serial.text))
+    print("| faces an edge | ranks | Newton iterations, serial | what differs | largest difference |\n|---|---|---|---|---|")
+    for n in ranks:
+        what, worst = difference(serial, checked(folder, deck, n))
+        print(f"| {size} | {n} | {counts} | {what or 'no count, no status'} | {worst:.1e} |", flush=True)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -132,10 +148,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--edge", type=int, default=54)
     parser.add_argument("--shares", action="store_true")
     parser.add_argument("--solvers", action="store_true")
+    parser.add_argument("--plates", type=int, default=0)
     options = parser.parse_args(arguments)
     ranks_and_serial.TIME_LIMIT = 3600
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        if options.plates:
+            compare_plates(folder, options.plates, options.ranks)
+            return 0
         if options.solvers:
             compare_solvers(folder, options.edge, options.ranks)
             return 0

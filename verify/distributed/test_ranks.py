@@ -279,6 +279,17 @@ def test_conjugate_gradients(tmp_path: Path, preconditioner: str) -> None:
             assert np.abs(values - ranks.fields[name]).max() < 1e-5 * np.abs(values).max()
 
 
+def test_contact_skin_on_four_ranks(tmp_path: Path) -> None:
+    """Two plates of 30 000 unknowns, enough for ranks to share a factor: the contact skin keeps its own, and all counts, statuses and
+    fields are those of the serial program."""
+    deck = deck_of(Model(33, increments=1), "SKIN").split("*STEP", 2)
+    serial, ranks = (run(tmp_path / str(n), "*STEP".join(deck[:2]), n) for n in (0, 4))
+    assert serial.code == 0 and serial.statuses.size > 1000, serial.text
+    assert "MUMPS" not in ranks.text
+    what, worst = difference(serial, ranks)
+    assert what == "" and worst < TOLERANCE
+
+
 @pytest.mark.parametrize("solver", ["", "GAMG", "HYPRE"])
 def test_same_bits_again(tmp_path: Path, solver: str) -> None:
     """Three ranks, five times: all bits of displacements and reactions. Sums by the arrival of messages differ in every other run."""
