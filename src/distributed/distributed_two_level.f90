@@ -24,14 +24,15 @@ module amontons_distributed_two_level
   use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric, alike_rows
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, take_coarse_space, factorise_first_level, &
-    factorise_second_level, apply_first_level, restrict_residual, solve_second_level, add_correction
+    factorise_second_level, apply_first_level, restrict_residual, solve_second_level, add_correction, discard_preconditioner
   use amontons_halo, only: halo_type, halo_list_type, find_halo, list_halos, find_halo_in_lists, fill_halo, return_halo
   use amontons_domain_matrix, only: domain_sum_type, plan_domain_sum, sum_domain
   use amontons_mpi_ranks, only: this_rank, n_ranks, sum_over_ranks, join_parts, min_over_ranks, share_error
   implicit none
   private
   public :: distributed_two_level_type, create_distributed_two_level, update_distributed_two_level, &
-    apply_distributed_two_level, solve_distributed_two_level, describe_messages
+    apply_distributed_two_level, solve_distributed_two_level, describe_messages, &
+    discard_domain
 
   !> A and its preconditioner on the domain of this rank.
   type :: distributed_two_level_type
@@ -294,6 +295,15 @@ contains
       ' coarse unknowns are summed over the ranks.'
     text = trim(line)
   end function describe_messages
+
+
+  !> Frees A on the domain and its preconditioner. The counts of describe_messages stay.
+  subroutine discard_domain(self)
+    type(distributed_two_level_type), intent(inout) :: self
+    self%matrix = sparse_type()
+    self%parts = domain_sum_type()
+    call discard_preconditioner(self%levels)
+  end subroutine discard_domain
 
 
   !> The whole vector of which each rank has its own unknowns.

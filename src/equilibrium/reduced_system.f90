@@ -31,7 +31,7 @@ module amontons_reduced_system
     update_distributed, apply_distributed, solve_distributed, DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, &
     DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, DISTRIBUTED_BDDC, DISTRIBUTED_NAMES
   use amontons_distributed_two_level, only: distributed_two_level_type, create_distributed_two_level, &
-    update_distributed_two_level, apply_distributed_two_level, solve_distributed_two_level
+    update_distributed_two_level, apply_distributed_two_level, solve_distributed_two_level, discard_domain
   use amontons_constraints, only: constraints_type
   implicit none
   private
@@ -588,6 +588,7 @@ contains
     self%is_iteration_abandoned = .true.
     self%is_iterative = .false.
     call discard_iteration(self)
+    self%divided = distributed_two_level_type()
     self%message = pending_message(self) // 'The iterative solver did not converge: a factor is used in its place.'
   end subroutine abandon_iteration
 
@@ -598,7 +599,7 @@ contains
     self%matrix = sparse_type()
     call discard_preconditioner(self%iterative)
     self%distributed = distributed_solver_type()
-    self%divided = distributed_two_level_type()
+    call discard_domain(self%divided)
     call discard_analysis(self)
   end subroutine discard_iteration
 
