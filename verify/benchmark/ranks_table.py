@@ -44,6 +44,7 @@ from verify.distributed.ranks_and_serial import Outcome, difference, run, with_s
 from verify.invariance.test_solvers import cantilever
 
 SOLVER = ", SOLVER=ITERATIVE SCALING"
+TIME_LIMIT = 3600.0  #: of a job [s]
 HEAD = (
     "| ranks | unknowns | iterations | unknowns of a rank | halo | neighbours | messages an iteration | kB an iteration | kB a product | paper | coarse |\n"
     "|---|---|---|---|---|---|---|---|---|---|---|"
@@ -66,7 +67,7 @@ def plastic(edge: int) -> str:
 
 def checked(folder: Path, deck: str, n_ranks: int) -> Outcome:
     """Runs a deck, which must end well."""
-    outcome = run(folder, deck, n_ranks)
+    outcome = run(folder, deck, n_ranks, seconds=TIME_LIMIT)
     if outcome.code != 0:
         raise SystemExit(f"The job on {n_ranks} ranks ended with exit code {outcome.code}:\n{outcome.text}")
     return outcome
@@ -150,7 +151,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--solvers", action="store_true")
     parser.add_argument("--plates", type=int, default=0)
     options = parser.parse_args(arguments)
-    ranks_and_serial.TIME_LIMIT = 3600
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         if options.plates:
