@@ -7,7 +7,6 @@
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
-#include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdint.h>
@@ -18,6 +17,9 @@
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 static volatile sig_atomic_t stop_signal = 0;  /* SIGINT or SIGTERM arrived */
 static volatile sig_atomic_t n_status_requested = 0; /* SIGUSR1 arrived and was not answered */
@@ -243,7 +245,7 @@ void amontons_watch_end(int is_on)
  * to 32 MB: then the blocks of one phase of a job leave holes that the next one does not fill. */
 void amontons_return_blocks(void)
 {
-#ifdef M_MMAP_THRESHOLD
+#ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 4 << 20);
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
 #endif
