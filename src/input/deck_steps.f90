@@ -26,6 +26,7 @@ module amontons_deck_steps
     INTERFACE_AUTO, INTERFACE_DENSE, INTERFACE_SKIN
   use amontons_deck_user_elements, only: check_user_element_step
   use amontons_loads, only: concentrated_type
+  use amontons_containers, only: integer_list_type
   use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural, verb
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   use amontons_deck_materials, only: read_plastic
@@ -612,8 +613,8 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: elements(:)
-    integer :: i, n, n_same
-    logical :: is_ok, is_removal, is_free
+    integer :: k, n_same
+    logical :: is_removal, is_free
     call open_card(reader, c, parameters, row)
     is_removal = has_parameter(parameters, 'REMOVE')
     if (has_parameter(parameters, 'MECHSTRAINTORESIDUAL') .and. .not. (has_parameter(parameters, 'ADD') .or. is_removal)) then
@@ -626,26 +627,48 @@ contains
     is_free = parameter_word(parameters, 'ADD', 'STRAINFREE') == 'STRAINFREE'
     if (.not. allocated(step%is_inactive)) allocate (step%is_inactive(model%mesh%n_elements), source=.false.)
     if (.not. allocated(step%is_reactivated)) allocate (step%is_reactivated(model%mesh%n_elements), source=.false.)
-    n = 0
+    call read_changed_elements(reader, model, c, row, elements)
     n_same = 0
-    do while (next_row(reader%cards, row))
-      do i = 1, row%n
-        is_ok = .true.
-        call elements_of_field(reader, model%mesh, row, i, elements, is_ok)
-        n = n + 1
-        if (.not. is_ok) cycle
-        n_same = n_same + count(step%is_inactive(elements) .eqv. is_removal)
-        if (.not. is_removal .and. is_free) step%is_reactivated(elements) = step%is_reactivated(elements) &
-          .or. step%is_inactive(elements)
-        step%is_inactive(elements) = is_removal
-      end do
+    do k = 1, size(elements)
+      associate (e => elements(k))
+        if (step%is_inactive(e) .eqv. is_removal) n_same = n_same + 1
+        if (.not. is_removal .and. is_free) step%is_reactivated(e) = step%is_reactivated(e) .or. step%is_inactive(e)
+        step%is_inactive(e) = is_removal
+      end associate
     end do
-    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*MODEL CHANGE, TYPE=ELEMENT needs data lines with ' // &
-      'elements or element sets.')
     if (n_same > 0) call report_note(reader, reader%cards%cards(c)%line, plural(n_same, 'element') // trim(merge( &
       ' had been taken out before.          ', ' had not been taken out, or are back.', is_removal)))
     if (all(step%is_inactive)) call report_error(reader, reader%cards%cards(c)%line, 'No element is left in the model.')
   end subroutine read_element_change
+
+
+  !> The elements that the rows of a MODEL CHANGE card name, one row after the other.
+  subroutine read_changed_elements(reader, model, c, row, elements)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(data_row_type), intent(inout) :: row    !< as open_card gives it
+    integer, allocatable, intent(out) :: elements(:)
+    type(integer_list_type) :: list
+    integer, allocatable :: named(:)
+    integer :: i, k, n
+    logical :: is_ok
+    n = 0
+    do while (next_row(reader%cards, row))
+      do i = 1, row%n
+        is_ok = .true.
+        call elements_of_field(reader, model%mesh, row, i, named, is_ok)
+        n = n + 1
+        if (.not. is_ok) cycle
+        do k = 1, size(named)
+          call list%add(named(k))
+        end do
+      end do
+    end do
+    elements = list%trimmed()
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*MODEL CHANGE, TYPE=ELEMENT needs data lines with ' // &
+      'elements or element sets.')
+  end subroutine read_changed_elements
 
 
   !> MODEL CHANGE, TYPE=ELEMENT, MECHSTRAINTORESIDUAL: the stress of elements goes, the strain that they have stays without one.
@@ -657,23 +680,13 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: elements(:)
-    integer :: i, k, n_wrong
-    logical :: is_ok
+    integer :: k, n_wrong
     call open_card(reader, c, parameters, row)
     if (.not. allocated(step%is_relieved)) allocate (step%is_relieved(model%mesh%n_elements), source=.false.)
-    n_wrong = 0
-    do while (next_row(reader%cards, row))
-      do i = 1, row%n
-        is_ok = .true.
-        call elements_of_field(reader, model%mesh, row, i, elements, is_ok)
-        if (.not. is_ok) cycle
-        step%is_relieved(elements) = .true.
-        n_wrong = n_wrong + count([(.not. can_be_relieved(model, step, elements(k)), k=1, size(elements))])
-      end do
-    end do
+    call read_changed_elements(reader, model, c, row, elements)
+    step%is_relieved(elements) = .true.
+    n_wrong = count([(.not. can_be_relieved(model, step, elements(k)), k=1, size(elements))])
     associate (line => reader%cards%cards(c)%line)
-      if (.not. any(step%is_relieved)) call report_error(reader, line, '*MODEL CHANGE, TYPE=ELEMENT needs data lines with ' // &
-        'elements or element sets.')
       if (reader%dialect /= DIALECT_CALCULIX) call report_error(reader, line, 'MECHSTRAINTORESIDUAL is a parameter of ' // &
         'CalculiX: give the calculix dialect, or ADD=STRAIN FREE to elements taken out before.')
       if (n_wrong > 0) call report_error(reader, line, 'MECHSTRAINTORESIDUAL is for solids with *ELASTIC alone; ' // &
