@@ -31,8 +31,8 @@ module amontons_distributed_two_level
   implicit none
   private
   public :: distributed_two_level_type, create_distributed_two_level, update_distributed_two_level, &
-    apply_distributed_two_level, solve_distributed_two_level, describe_messages, &
-    discard_domain
+    apply_distributed_two_level, solve_distributed_two_level, compare_messages, &
+    describe_messages, discard_domain
 
   !> A and its preconditioner on the domain of this rank.
   type :: distributed_two_level_type
@@ -264,12 +264,18 @@ contains
     type(divided_matrix_type) :: matrix
     type(divided_preconditioner_type) :: preconditioner
     real(DP) :: own(self%halo%n_own)
-    integer :: k
     matrix%solver => self
     preconditioner%solver => self
     own = 0
     call conjugate_gradients(matrix, preconditioner, b(self%halo%unknown(:self%halo%n_own)), own, options, report)
     call collect(self, own, x)
+  end subroutine solve_distributed_two_level
+
+
+  !> Takes the largest counts of all ranks, for describe_messages.
+  subroutine compare_messages(self)
+    type(distributed_two_level_type), intent(inout) :: self
+    integer :: k
     associate (halo => self%halo)
       self%most = real([int(halo%n_own, I64), int(size(halo%unknown) - halo%n_own, I64), size(halo%neighbour, kind=I64), &
         halo%n_messages, halo%n_bytes], DP)
@@ -277,7 +283,7 @@ contains
     do k = 1, size(self%most)
       self%most(k) = -min_over_ranks(-self%most(k))
     end do
-  end subroutine solve_distributed_two_level
+  end subroutine compare_messages
 
 
   !> What a rank has and sends at most, by the counters of all ranks; empty without an iteration.

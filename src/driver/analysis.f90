@@ -13,7 +13,7 @@ module amontons_analysis
     EXIT_INTERNAL
   use amontons_posix, only: is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
   use amontons_version, only: VERSION
-  use amontons_distributed_two_level, only: describe_messages
+  use amontons_distributed_two_level, only: compare_messages, describe_messages
   use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error, check_agreement
   use amontons_assembly, only: share_points
   use amontons_text, only: to_text, plural
@@ -786,8 +786,12 @@ contains
       end associate
     end if
     call logger%show_summary(analysis%records(:analysis%n_records), 3 * analysis%model%mesh%n_nodes)
-    if (analysis%system%reduced_system%divided%n_iterations > 0) &
-      call logger%say(describe_messages(analysis%system%reduced_system%divided))
+    associate (divided => analysis%system%reduced_system%divided)
+      if (divided%n_iterations > 0) then
+        call compare_messages(divided)
+        call logger%say(describe_messages(divided))
+      end if
+    end associate
     call share_error(error)
     if (analysis%has_files .and. .not. allocated(error)) call logger%say(describe_result_files(analysis))
     analysis%has_files = .false.

@@ -211,6 +211,8 @@ def test_follower_pressure(tmp_path: Path) -> None:
     for outcome in ranks:
         what, worst = difference(serial, outcome)
         assert what == "" and worst < 1e-7
+        most = re.search(r"at most (\d+) unknowns, (\d+) in its halo and (\d+) neighbours; it sends ([\d.]+) messages", outcome.text)
+        assert most and min(float(number) for number in most.groups()) > 0.0, outcome.text
 
 
 @pytest.mark.parametrize(("solver", "name"), [("ITERATIVE SCALING", "two-level iteration"), ("BDDC", "BDDC")])
