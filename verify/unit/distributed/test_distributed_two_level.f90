@@ -3,7 +3,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_distributed_two_level
   use amontons_distributed_two_level, only: distributed_two_level_type, create_distributed_two_level, &
-    update_distributed_two_level, apply_distributed_two_level, solve_distributed_two_level, describe_messages
+    update_distributed_two_level, apply_distributed_two_level, solve_distributed_two_level, compare_messages, &
+    describe_messages
   use amontons_errors, only: error_type
   use amontons_kinds, only: DP
   use amontons_krylov, only: krylov_options_type, krylov_report_type, KRYLOV_CONVERGED
@@ -40,6 +41,7 @@ program test_distributed_two_level
   call solve_distributed_two_level(solver, b, x, krylov_options_type(tolerance=1.0e-11_DP), report)
   call multiply_symmetric(matrix, x, z)
   call suite%that('solved', report%status == KRYLOV_CONVERGED .and. norm2(b - z) <= 1.1e-11_DP * norm2(b))
+  call compare_messages(solver)
   call suite%that('what it reports', index(describe_messages(solver), 'at most 600 unknowns, 0 in its halo and 0 neighbours') > 0)
 
   matrix%value(matrix%first(:N)) = -1.0_DP
