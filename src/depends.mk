@@ -27,6 +27,7 @@ uses_matrix_reduction = kinds containers errors sparse
 uses_midside_interpolation = kinds errors sparse
 uses_null_space = kinds dense
 uses_point_partition = kinds
+uses_sparse_null_space = kinds null_space
 uses_two_level_preconditioner = kinds containers errors dense sparse factorization midside_interpolation
 uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 
@@ -201,8 +202,9 @@ uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps mode
 # model_check
 uses_model_check_bodies = kinds text errors element_kinds mesh model element
 uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization model_check_bodies
+uses_motion_rows = kinds containers column_singletons sparse_null_space
 uses_rigid_modes = kinds text tensor model_check_bodies
-uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state stabilization contact_pairs model_check_bodies model_check_contact rigid_modes
+uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state stabilization contact_pairs model_check_bodies model_check_contact motion_rows rigid_modes
 uses_balanced_bodies = kinds text tensor loads model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion
 uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search general_contact model_check_bodies
 uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired

@@ -4,8 +4,8 @@
 !! A body has six rigid body modes, u = t + r x (x - centre)/size. A support, an equation, or a contact that is
 !! closed or can close is a row a'u = 0 on these. The supports leave each body a basis of motions (the null space of its
 !! 6 x 6 Gram matrix); equations and contacts are rows on these bases, and couple bodies. The null space of the Gram matrix
-!! R'R of each cluster of coupled bodies contains its free motions. Cost: linear in nodes and rows, cubic in the free motions
-!! of one cluster.
+!! R'R of each cluster of coupled bodies contains its free motions. Cost: linear in nodes and rows, for a cluster
+!! that of a sparse factorization.
 module amontons_model_check_motion
   use amontons_kinds, only: DP
   use amontons_errors, only: diagnostic_list_type
@@ -13,8 +13,8 @@ module amontons_model_check_motion
   use amontons_containers, only: integer_list_type
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
-  use amontons_null_space, only: find_null_space, find_null_vectors
-  use amontons_column_singletons, only: find_column_singletons, solve_column_singletons
+  use amontons_null_space, only: find_null_space
+  use amontons_column_singletons, only: solve_column_singletons
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
   use amontons_stabilization, only: is_damped
@@ -26,6 +26,8 @@ module amontons_model_check_motion
   use amontons_model_check_bodies, only: step_list, join_item, body_type, bodies_type, body_name, &
     find_bodies
   use amontons_model_check_contact, only: is_closed, can_close_later
+  use amontons_motion_rows, only: bases_type, rows_type, motion_matrix_type, allocate_rows, end_row, build_matrix, &
+    find_scaled_null_space
   use amontons_rigid_modes, only: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
   implicit none
   private
@@ -38,38 +40,6 @@ module amontons_model_check_motion
 
   ! Supports on a line whose coordinates are rounded by 1 are up to sqrt(2) off it, and the line that fits them best as far again.
   real(DP), parameter :: MAX_OFFSET_OF_ROUNDED = 2 * sqrt(2.0_DP)
-
-  !> The motions that the supports of a step leave to each body.
-  type :: bases_type
-    integer, allocatable :: n(:)                   !< (n_bodies) 0 to 6
-    real(DP), allocatable :: motion(:, :, :)       !< (6, 6, n_bodies) the first n are orthonormal: t, r
-  end type bases_type
-
-  !> Rows of equations and contacts on the motions of the bodies, one after the other.
-  type :: rows_type
-    integer :: n = 0
-    integer :: n_entries = 0
-    integer, allocatable :: first(:)               !< (n + 1) start of a row's entries
-    logical, allocatable :: is_open(:)             !< (n) of a contact that is open at the start
-    integer, allocatable :: body(:)                !< (n_entries)
-    real(DP), allocatable :: value(:, :)           !< (6, n_entries) on the motions of that body's basis
-    real(DP), allocatable :: work(:, :)            !< (6, n_bodies) the current row on t and r; 0 between rows
-    integer, allocatable :: touched(:)             !< bodies of the current row
-    integer :: n_touched = 0
-  end type rows_type
-
-  !> The rows on all motions as a sparse matrix, and the motions that one row alone has.
-  type :: motion_matrix_type
-    integer, allocatable :: first_motion(:)        !< (n_bodies + 1) the motions of a body are numbered on
-    integer, allocatable :: first(:)               !< (n_rows + 1)
-    integer, allocatable :: column(:)              !< (n_entries) motions
-    real(DP), allocatable :: value(:)              !< (n_entries)
-    integer, allocatable :: solved_columns(:), solved_rows(:)   !< pairs: the row gives the motion once the others are known
-    logical, allocatable :: is_solved_row(:)       !< (n_rows)
-    integer, allocatable :: place(:)               !< (n_motions) in the Gram matrix of its cluster; 0: solved
-  end type motion_matrix_type
-
-  real(DP), parameter :: MIN_PIVOT_PART = 0.1_DP   !< of the largest value of its row [-]
 
   ! Kinds of findings.
   integer, parameter :: FINDING_FREE = 1           !< no restraint
@@ -110,7 +80,7 @@ contains
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
     allocate (findings(0))
-    call allocate_rows(bodies, rows)
+    call allocate_rows(bodies%n, rows)
     call add_equations(model, bodies, bases, rows)
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
     do i = 1, size(findings)
@@ -166,7 +136,7 @@ contains
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
     allocate (findings(0))
-    call allocate_rows(bodies, rows)
+    call allocate_rows(bodies%n, rows)
     call add_equations(model, bodies, bases, rows)
     do s = 1, size(slaves)
       if (slaves(s)%status == STATUS_OPEN .or. slaves(s)%facet == 0) cycle
@@ -176,16 +146,6 @@ contains
     is_free = size(findings) > 0
     if (is_free) motion = findings(1)%motion
   end subroutine find_free_motion
-
-
-  !> Allocates the rows.
-  subroutine allocate_rows(bodies, rows)
-    type(bodies_type), intent(in) :: bodies
-    type(rows_type), intent(out) :: rows
-    allocate (rows%work(6, bodies%n), source=0.0_DP)
-    allocate (rows%touched(bodies%n), rows%first(65), rows%is_open(64), rows%body(128), rows%value(6, 128))
-    rows%first(1) = 1
-  end subroutine allocate_rows
 
 
   !> Finds the free motions of one step.
@@ -200,7 +160,7 @@ contains
     type(rows_type) :: rows
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
-    call allocate_rows(bodies, rows)
+    call allocate_rows(bodies%n, rows)
     call add_equations(model, bodies, bases, rows)
     call add_contacts(model, contact, slaves, bodies, bases, rows)
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
@@ -454,54 +414,6 @@ contains
   end subroutine add_term
 
 
-  !> Ends the current row: stores its part on the motions that supports leave free.
-  subroutine end_row(bases, is_open, rows)
-    type(bases_type), intent(in) :: bases
-    logical, intent(in) :: is_open                 !< of a contact that is open at the start
-    type(rows_type), intent(inout) :: rows
-    real(DP) :: value(6), largest
-    integer :: i, b, n_before
-    n_before = rows%n_entries
-    largest = 0.0_DP
-    do i = 1, rows%n_touched
-      largest = max(largest, maxval(abs(rows%work(:, rows%touched(i)))))
-    end do
-    do i = 1, rows%n_touched
-      b = rows%touched(i)
-      value = 0.0_DP
-      value(:bases%n(b)) = matmul(rows%work(:, b), bases%motion(:, :bases%n(b), b))
-      rows%work(:, b) = 0.0_DP
-      if (norm2(value) <= 1.0e-12_DP * largest .or. bases%n(b) == 0) cycle
-      if (rows%n_entries == size(rows%body)) call enlarge_entries(rows)
-      rows%n_entries = rows%n_entries + 1
-      rows%body(rows%n_entries) = b
-      rows%value(:, rows%n_entries) = value
-    end do
-    rows%n_touched = 0
-    if (rows%n_entries == n_before) return
-    if (rows%n == size(rows%is_open)) then
-      rows%is_open = [rows%is_open, rows%is_open]
-      rows%first = [rows%first, rows%first]
-    end if
-    rows%n = rows%n + 1
-    rows%is_open(rows%n) = is_open
-    rows%first(rows%n + 1) = rows%n_entries + 1
-  end subroutine end_row
-
-
-  !> Doubles the capacity for entries.
-  subroutine enlarge_entries(rows)
-    type(rows_type), intent(inout) :: rows
-    real(DP), allocatable :: larger(:, :)
-    integer :: n
-    n = size(rows%body)
-    rows%body = [rows%body, rows%body]
-    allocate (larger(6, 2 * n))
-    larger(:, :n) = rows%value
-    call move_alloc(larger, rows%value)
-  end subroutine enlarge_entries
-
-
   !> The rows of all equations.
   subroutine add_equations(model, bodies, bases, rows)
     type(model_type), intent(in) :: model
@@ -626,45 +538,6 @@ contains
   end subroutine check_clusters
 
 
-  !> The sparse matrix of the rows that count. A node without elements, which three equations give, leaves the Gram matrices here.
-  subroutine build_matrix(bases, rows, is_start, matrix)
-    type(bases_type), intent(in) :: bases
-    type(rows_type), intent(in) :: rows
-    logical, intent(in) :: is_start                !< .true.: contacts that are open at the start are empty rows
-    type(motion_matrix_type), intent(out) :: matrix
-    real(DP), parameter :: ROUNDING = 1.0e-14_DP   ! of the largest value of a row [-]
-    real(DP) :: largest
-    integer :: b, r, i, l, n
-    allocate (matrix%first_motion(size(bases%n) + 1), matrix%first(rows%n + 1))
-    matrix%first_motion(1) = 1
-    do b = 1, size(bases%n)
-      matrix%first_motion(b + 1) = matrix%first_motion(b) + bases%n(b)
-    end do
-    allocate (matrix%column(6 * rows%n_entries), matrix%value(6 * rows%n_entries))
-    n = 0
-    do r = 1, rows%n
-      matrix%first(r) = n + 1
-      if (is_start .and. rows%is_open(r)) cycle
-      largest = maxval(abs(rows%value(:, rows%first(r):rows%first(r + 1) - 1)))
-      do i = rows%first(r), rows%first(r + 1) - 1
-        do l = 1, bases%n(rows%body(i))
-          if (abs(rows%value(l, i)) <= ROUNDING * largest) cycle
-          n = n + 1
-          matrix%column(n) = matrix%first_motion(rows%body(i)) + l - 1
-          matrix%value(n) = rows%value(l, i)
-        end do
-      end do
-    end do
-    matrix%first(rows%n + 1) = n + 1
-    call find_column_singletons(matrix%first, matrix%column(:n), matrix%value(:n), MIN_PIVOT_PART, matrix%solved_columns, &
-      matrix%solved_rows)
-    allocate (matrix%is_solved_row(rows%n), source=.false.)
-    matrix%is_solved_row(matrix%solved_rows) = .true.
-    allocate (matrix%place(matrix%first_motion(size(bases%n) + 1) - 1), source=1)
-    matrix%place(matrix%solved_columns) = 0
-  end subroutine build_matrix
-
-
   !> One cluster: reports the null space of its Gram matrix as motions.
   subroutine check_cluster(model, bodies, bases, matrix, members, rows_of, step, is_start, findings)
     type(model_type), intent(in) :: model
@@ -676,7 +549,7 @@ contains
     integer, intent(in) :: step
     logical, intent(in) :: is_start
     type(finding_type), allocatable, intent(inout) :: findings(:)
-    real(DP), allocatable :: gram(:, :), vectors(:, :), motions(:, :), x(:)
+    real(DP), allocatable :: vectors(:, :), motions(:, :), x(:)
     integer :: n_left(size(members))               ! motions that are not solved
     integer :: i, k, m, n, c
     m = 0
@@ -690,9 +563,7 @@ contains
       n_left(i) = n_left(i) + m
     end do
     if (m == 0) return
-    allocate (gram(m, m), vectors(m, m))
-    call fill_gram(matrix, rows_of, gram)
-    call find_scaled_null_space(n_left, gram, n, vectors)
+    call find_scaled_null_space(matrix, rows_of, n_left, CONTACT_TOLERANCE, n, vectors)
     if (n == 0) return
     allocate (motions(6 * size(members), n), x(size(matrix%place)))
     do k = 1, n
@@ -716,26 +587,6 @@ contains
   end subroutine check_cluster
 
 
-  !> R'R of a cluster, without the rows that are solved; the others have no motion that is solved.
-  pure subroutine fill_gram(matrix, rows_of, gram)
-    type(motion_matrix_type), intent(in) :: matrix
-    type(integer_list_type), intent(in) :: rows_of !< the rows of the cluster
-    real(DP), intent(out) :: gram(:, :)
-    integer :: k, i, j, r
-    gram = 0.0_DP
-    do k = 1, rows_of%n
-      r = rows_of%items(k)
-      do j = matrix%first(r), matrix%first(r + 1) - 1
-        do i = matrix%first(r), matrix%first(r + 1) - 1
-          associate (g => gram(matrix%place(matrix%column(i)), matrix%place(matrix%column(j))))
-            g = g + matrix%value(i) * matrix%value(j)
-          end associate
-        end do
-      end do
-    end do
-  end subroutine fill_gram
-
-
   !> G = G + a b'.
   pure subroutine add_product(a, b, gram)
     real(DP), intent(in) :: a(:), b(:)
@@ -745,37 +596,6 @@ contains
       gram(:, j) = gram(:, j) + b(j) * a
     end do
   end subroutine add_product
-
-
-  !> The null space after the motions of each body have been scaled by its strongest one, so that bodies with few rows
-  !! count as those with many.
-  subroutine find_scaled_null_space(n_left, gram, n, vectors)
-    integer, intent(in) :: n_left(:)               !< motions of each body of the cluster
-    real(DP), intent(inout) :: gram(:, :)          !< used up
-    integer, intent(out) :: n
-    real(DP), intent(out) :: vectors(:, :)         !< the first n columns
-    real(DP) :: scale(size(gram, 1)), largest
-    integer :: i, k, first, last
-    last = 0
-    do k = 1, size(n_left)
-      first = last + 1
-      last = last + n_left(k)
-      largest = 0.0_DP
-      do i = first, last
-        largest = max(largest, gram(i, i))
-      end do
-      if (largest <= 0.0_DP) largest = 1.0_DP
-      scale(first:last) = 1.0_DP / sqrt(largest)
-    end do
-    do i = 1, size(scale)
-      gram(:, i) = scale * scale(i) * gram(:, i)
-    end do
-    call find_null_vectors(gram, CONTACT_TOLERANCE, n, vectors)
-    do i = 1, n
-      vectors(:, i) = scale * vectors(:, i)
-      vectors(:, i) = vectors(:, i) / maxval(abs(vectors(:, i)))
-    end do
-  end subroutine find_scaled_null_space
 
 
   !> One finding for each set of bodies that moves together.
