@@ -27,7 +27,7 @@ module amontons_contact_pairs
   use amontons_facets, only: facets_type, build_facets, is_unseen
   use amontons_self_contact_visibility, only: find_unseen_facets, current_node_normal
   use amontons_analytic_master, only: build_profile_facets
-  use amontons_exterior_surface, only: depths_below
+  use amontons_exterior_surface, only: depths_below, common_depth
   use amontons_facet_search, only: facet_search_type, renew_facet_search
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, rotate_with_normal, differentiate_rotation
@@ -176,8 +176,9 @@ contains
   end subroutine create_contact
 
 
-  !> The depth behind a facet from which nodes do not see it: in general and self contact that of its element, else that of a body
-  !! both of whose sides are in the master, as of a sheet or a whole exterior. A slave beyond the one side is not behind the other.
+  !> The depth behind a facet from which nodes do not see it: in general and self contact that of its element (`common_depth`),
+  !! else that of a body both of whose sides are in the master, as of a sheet or a whole exterior. A slave beyond the one side is
+  !! not behind the other.
   subroutine limit_depth(model, p, edge, facets)
     type(model_type), intent(in) :: model
     integer, intent(in) :: p                       !< pair
@@ -186,7 +187,8 @@ contains
     real(DP) :: thickness(facets%n)
     if (allocated(facets%profile)) return
     if (model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) then
-      facets%max_depth = MAX_DEPTH_SHARE * depths_below(model%mesh, facets)
+      facets%max_depth = MAX_DEPTH_SHARE * common_depth(depths_below(model%mesh, facets), facets%edge_length, &
+        model%pairs(p)%slave_depth)
       return
     end if
     call measure_thickness(facets, model%mesh%coordinates, SEARCH_RADIUS_RATIO * edge, thickness)

@@ -48,7 +48,9 @@ contains
         text = text // 'The contact pair ' // model%surfaces(pair%slave)%name // ' / ' // model%surfaces(pair%master)%name // &
           ' acts by a penalty of ' // to_text(stiffness(p)) // ' [stress/length]: equations, couplings or rigid bodies move ' // &
           plural(size(found), 'slave node') // ' (' // to_text(model%mesh%node_label(found(1))) // &
-          trim(merge(', ...', '     ', size(found) > 1)) // '). Swap slave and master for exact contact.'
+          trim(merge(', ...', '     ', size(found) > 1)) // ').'
+        if (min_modulus(model, model%surfaces(pair%master), is_dependent) < huge(1.0_DP)) text = text // &
+          ' Swap slave and master for exact contact.'
       end associate
     end do
   end subroutine find_penalties

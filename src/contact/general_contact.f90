@@ -14,23 +14,24 @@ module amontons_general_contact
   use amontons_text, only: to_text, plural, NEWLINE
   use amontons_containers, only: integer_list_type, list_groups, ascending_order
   use amontons_mesh, only: mesh_extent
-  use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_loads, only: prescribed_type, amplitude_type
   use amontons_elasticity, only: small_strain_modulus
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
-  use amontons_exterior_surface, only: exterior_type, build_exterior
+  use amontons_exterior_surface, only: exterior_type, build_exterior, common_depth, is_thin
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
+  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, &
+    unpaired_edges_warning
   implicit none
   private
   public :: general_pairs_type, find_general_pairs, near_faces_type, find_near_faces
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
-  public :: are_near, list_facets, exterior_positions, body_name
+  public :: are_near, list_facets, exterior_positions, body_name, is_rigid_sheet, are_excluded
   public :: TOUCHING_RADIUS, collect_face_data, estimate_motion, find_interaction, make_surface, displacement_span
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
@@ -59,6 +60,7 @@ module amontons_general_contact
   !> What is known of the exterior faces beside their geometry.
   type :: face_data_type
     logical, allocatable :: is_rigid(:)            !< (n) all corners belong to a rigid body
+    type(rigid_bodies_type) :: rigid               !< of the nodes
     logical, allocatable :: is_held(:)             !< (n) a support holds a corner along the normal in the first step
     real(DP), allocatable :: modulus(:)            !< (n) Young's modulus of the element [stress]
     integer, allocatable :: column_of(:)           !< (0:n_surfaces) column of is_in of a surface of the rules; else 0
@@ -73,12 +75,14 @@ module amontons_general_contact
   type :: general_pairs_type
     type(surface_type), allocatable :: surfaces(:)
     type(contact_pair_type), allocatable :: pairs(:)
+    character(:), allocatable :: warning           !< bodies without a pair that can pass through each other; '': none
   end type general_pairs_type
 
   !> Near faces: face i is near a face of a group.
   type :: near_faces_type
     type(integer_list_type) :: face                !< faces
     type(integer_list_type) :: partner             !< groups; beyond n_groups: analytic surfaces, n_groups + their index
+    type(integer_list_type) :: driven              !< bodies near each other that supports drive, in twos
   end type near_faces_type
 
 contains
@@ -92,17 +96,23 @@ contains
     type(face_data_type) :: data
     type(near_faces_type) :: near
     real(DP) :: motion
+    integer :: i
     text = ''
     allocate (found%pairs(0), found%surfaces(0))
+    found%warning = ''
     if (.not. allocated(model%general_contact)) return
+    found%warning = unpaired_edges_warning(model)
     call build_model_exterior(model, exterior)
     call collect_face_data(model, exterior, data)
     motion = estimate_motion(model)
     call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, motion, near)
     call find_faces_near_profiles(model, exterior, data, motion, near)
     if (near%face%n > 0) call build_pairs(model, exterior, data, near, found, text)
+    do i = 1, near%driven%n, 2
+      call report_bodies(model, exterior, near%driven%items(i:i + 1), 'supports prescribe the motion of both rigid bodies', text)
+    end do
     text = 'General contact: ' // plural(size(found%pairs), 'pair') // ' of ' // to_text(exterior%n_bodies) // &
-      ' meshed bodies' // merge(':', '.', size(found%pairs) > 0) // text
+      ' meshed bodies' // merge(':', '.', text /= '') // text
   end subroutine find_general_pairs
 
 
@@ -135,24 +145,17 @@ contains
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(out) :: data
-    logical, allocatable :: is_free(:, :), is_rigid_node(:)
+    logical, allocatable :: is_free(:, :)
     integer :: f, i
-    allocate (is_free(3, model%mesh%n_nodes), source=.true.)
-    allocate (is_rigid_node(model%mesh%n_nodes), source=.false.)
-    if (size(model%steps) > 0) then
-      do i = 1, size(model%steps(1)%prescribed)
-        is_free(model%steps(1)%prescribed(i)%dof, model%steps(1)%prescribed(i)%node) = .false.
-      end do
-    end if
-    if (allocated(model%nonlinear_mpcs)) then
-      do i = 1, size(model%nonlinear_mpcs)
-        if (model%nonlinear_mpcs(i)%kind == MPC_RIGID_BODY) is_rigid_node(model%nonlinear_mpcs(i)%node) = .true.
-      end do
-    end if
+    call collect_rigid_bodies(model, data%rigid)
+    is_free = free_unknowns(model, 1)
+    do i = 1, model%mesh%n_nodes
+      if (data%rigid%reference(i) > 0) is_free(:, i) = is_free(:, i) .and. is_free(:, data%rigid%reference(i))
+    end do
     allocate (data%is_rigid(exterior%n), data%is_held(exterior%n), data%modulus(exterior%n))
     do f = 1, exterior%n
       associate (corners => exterior%nodes(exterior%first(f):exterior%first(f) + exterior%n_corners(f) - 1))
-        data%is_rigid(f) = all(is_rigid_node(corners))
+        data%is_rigid(f) = all(data%rigid%reference(corners) > 0)
         data%is_held(f) = any([(norm2(merge(exterior%normal(:, f), 0.0_DP, is_free(:, corners(i)))) < MIN_FREE_PART, &
           i=1, size(corners))])
       end associate
@@ -161,6 +164,27 @@ contains
       if (i > 0) data%modulus(f) = small_strain_modulus(model%materials(i))
     end do
   end subroutine collect_stiffness
+
+
+  !> Whether contact can move one of two near faces; if supports drive the rigid bodies of both, near takes them in.
+  subroutine judge_motion(exterior, data, f, m, near, can_move)
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: f, m                    !< faces
+    type(near_faces_type), intent(inout) :: near
+    logical, intent(out) :: can_move
+    can_move = .not. (data%is_rigid(f) .and. data%is_rigid(m))
+    if (can_move) return
+    associate (nodes => exterior%nodes(exterior%first([f, m])), bodies => exterior%body([f, m]))
+      can_move = .not. is_pair_driven(data%rigid, nodes)
+      if (can_move .or. is_one_body(data%rigid, nodes)) return
+      if (near%driven%n > 0) then
+        if (all(near%driven%items(near%driven%n - 1:near%driven%n) == [minval(bodies), maxval(bodies)])) return
+      end if
+      call near%driven%add(minval(bodies))
+      call near%driven%add(maxval(bodies))
+    end associate
+  end subroutine judge_motion
 
 
   !> The faces of the surfaces that the rules, ties and given pairs name, and the pairs of surfaces left out.
@@ -352,6 +376,7 @@ contains
     logical, allocatable :: is_active(:)
     integer, allocatable :: list(:), active(:), seen(:)
     real(DP) :: largest_edge, near_motion
+    logical :: can_move
     integer :: i, j, k, n, f, g
     if (exterior%n == 0) return
     largest_edge = maxval(exterior%edge_length)
@@ -371,8 +396,10 @@ contains
         g = data%group(j)
         if (seen(g) == f .or. exterior%body(j) == exterior%body(f)) cycle
         if (.not. are_near(exterior, f, j, radius, near_motion)) cycle
-        if (find_interaction(rules, data, data%group(f), g, 0) == 0 .or. (data%is_rigid(f) .and. data%is_rigid(j))) cycle
+        if (find_interaction(rules, data, data%group(f), g, 0) == 0) cycle
         seen(g) = f
+        call judge_motion(exterior, data, f, j, near, can_move)
+        if (.not. can_move) cycle
         call near%face%add(f)
         call near%partner%add(g)
       end do
@@ -438,7 +465,7 @@ contains
     integer, intent(in) :: f, m                    !< faces
     real(DP), intent(in) :: radius                 !< over the edge [-]
     real(DP), intent(in) :: motion                 !< [length]
-    real(DP) :: between(3), lateral, front, cosine
+    real(DP) :: between(3), lateral, front, cosine, depth
     are_near = .false.
     cosine = dot_product(exterior%normal(:, f), exterior%normal(:, m))
     if (cosine > -MIN_FACING_COSINE) return
@@ -449,7 +476,9 @@ contains
     lateral = norm2(between - dot_product(between, exterior%normal(:, f)) * exterior%normal(:, f))
     if (lateral > MAX_LATERAL_OFFSET * (exterior%edge_length(f) + exterior%edge_length(m)) + motion) return
     if (cosine > -0.5_DP) front = front + lateral * sqrt(1 - cosine**2)   ! inclined: the centres do not show which is in front
-    are_near = front >= -MAX_DEPTH_SHARE * min(exterior%depth(f), exterior%depth(m)) - motion
+    depth = min(common_depth(exterior%depth(f), exterior%edge_length(f), exterior%depth(m)), &
+      common_depth(exterior%depth(m), exterior%edge_length(m), exterior%depth(f)))
+    are_near = front >= -MAX_DEPTH_SHARE * depth - motion
   end function are_near
 
 
@@ -464,6 +493,7 @@ contains
     type(near_faces_type), intent(inout) :: near
     real(DP) :: box(3, 2, data%n_groups)
     integer, allocatable :: first(:), members(:)
+    logical :: can_move
     integer :: g, h, i
     box(:, 1, :) = huge(1.0_DP)
     box(:, 2, :) = -huge(1.0_DP)
@@ -477,9 +507,10 @@ contains
       do h = 1, data%n_groups
         if (first(g) == first(g + 1) .or. first(h) == first(h + 1)) cycle
         if (exterior%body(data%member(g)) == exterior%body(data%member(h))) cycle
-        if (data%is_rigid(data%member(g)) .and. data%is_rigid(data%member(h))) cycle
         if (box_distance(box(:, :, g), box(:, :, h)) > motion) cycle
         if (find_interaction(rules, data, g, h, 0) == 0) cycle
+        call judge_motion(exterior, data, data%member(g), data%member(h), near, can_move)
+        if (.not. can_move) cycle
         call add_opposing_faces(exterior, active(members(first(g):first(g + 1) - 1)), active(members(first(h):first(h + 1) - 1)), &
           box(:, :, h), h, motion, near)
       end do
@@ -521,7 +552,9 @@ contains
     do s = 1, size(model%surfaces)
       if (.not. allocated(model%surfaces(s)%profile)) cycle
       do f = 1, exterior%n
-        if (data%is_rigid(f)) cycle
+        associate (nodes => [exterior%nodes(exterior%first(f)), model%surfaces(s)%nodes(1)])
+          if (data%is_rigid(f) .and. is_pair_driven(data%rigid, nodes)) cycle
+        end associate
         if (find_interaction(model%general_contact, data, data%group(f), 0, s) == 0) cycle
         reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + motion
         if (motion <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
@@ -708,6 +741,13 @@ contains
     integer :: reason, g, h, s
     has_profile = partner > data%n_groups
     if (size(masters) == 0 .and. .not. has_profile) return
+    if (.not. has_profile) then
+      if (all(is_rigid_sheet(exterior, data, [slaves(1), masters(1)]))) then
+        call report_sheets(model, exterior, data, exterior%body([slaves(1), masters(1)]), found%warning)
+        return
+      end if
+    end if
+    pair%slave_depth = minval(exterior%depth(slaves))
     pair%is_general = .true.
     pair%is_mortar = model%general_contact%is_mortar .and. .not. has_profile
     g = data%group(slaves(1))
@@ -737,6 +777,67 @@ contains
     if (.not. has_profile) text = text // ' (' // plural(size(master%face), 'face') // ')'
     text = text // ', interaction ' // model%interactions(pair%interaction)%name // ': ' // trim(REASON_WORDS(reason)) // '.'
   end subroutine append_pair
+
+
+  !> Whether a face is that of a rigid element, which has two sides and no depth.
+  elemental logical function is_rigid_sheet(exterior, data, f)
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: f                       !< face
+    is_rigid_sheet = data%is_rigid(f) .and. is_thin(exterior%depth(f), exterior%edge_length(f))
+  end function is_rigid_sheet
+
+
+  !> Warns of two bodies of rigid elements that they need a pair by hand, unless they have one.
+  subroutine report_sheets(model, exterior, data, bodies, warning)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: bodies(2)
+    character(:), allocatable, intent(inout) :: warning
+    character(:), allocatable :: sentence
+    if (are_excluded(exterior, data, bodies)) return
+    sentence = body_name(model, exterior, minval(bodies)) // ' and ' // body_name(model, exterior, maxval(bodies)) // ' pass ' // &
+      'through each other: both are of rigid elements, whose two sides have no depth between them. If they can touch, name ' // &
+      'their sides (SPOS, SNEG) in a *CONTACT PAIR.'
+    if (index(warning, sentence) > 0) return
+    if (warning /= '') warning = warning // NEWLINE
+    warning = warning // 'General contact: ' // sentence
+  end subroutine report_sheets
+
+
+  !> Whether a pair of surfaces left out has faces of both bodies.
+  pure logical function are_excluded(exterior, data, bodies)
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: bodies(2)
+    logical :: has(2, 2)
+    integer :: i, j, k
+    are_excluded = .false.
+    do k = 1, size(data%excluded, 2)
+      do i = 1, 2
+        associate (column => data%column_of(data%excluded(i, k)))
+          has(:, i) = column == 0
+          if (column > 0) has(:, i) = [(any(data%is_in(:, column) .and. exterior%body == bodies(j)), j=1, 2)]
+        end associate
+      end do
+      are_excluded = are_excluded .or. (has(1, 1) .and. has(2, 2)) .or. (has(2, 1) .and. has(1, 2))
+    end do
+  end function are_excluded
+
+
+  !> Says once of two bodies why general contact makes no pair of them.
+  subroutine report_bodies(model, exterior, bodies, reason, text)
+    type(model_type), intent(in) :: model
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: bodies(2)
+    character(*), intent(in) :: reason
+    character(:), allocatable, intent(inout) :: text
+    character(:), allocatable :: sentence
+    sentence = NEWLINE // '  no pair of ' // body_name(model, exterior, minval(bodies)) // ' and ' // &
+      body_name(model, exterior, maxval(bodies)) // ': ' // reason // '.'
+    if (index(text, sentence) == 0) text = text // sentence
+  end subroutine report_bodies
 
 
   !> The surface of some faces and of those of their groups that share a node with them.

@@ -14,7 +14,8 @@ module amontons_unpaired_contact
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
   use amontons_general_contact, only: face_data_type, near_faces_type, build_model_exterior, collect_face_data, estimate_motion, &
-    find_near_faces, find_interaction, body_name, list_facets, exterior_positions, displacement_span, TOUCHING_RADIUS
+    find_near_faces, find_interaction, body_name, list_facets, exterior_positions, displacement_span, TOUCHING_RADIUS, &
+    is_rigid_sheet, are_excluded
   use amontons_self_contact_pairs, only: body_thickness, self_contact_obstacle, FOLD_RATIO
   implicit none
   private
@@ -61,6 +62,12 @@ contains
     call find_near_faces(model%general_contact, now, faces%data, TOUCHING_RADIUS, approach, near)
     if (near%face%n == 0) return
     call find_covered_faces(faces, near, size(model%pairs), is_covered)
+    do i = 1, near%face%n                          ! of two rigid elements a pair by hand takes one side of each
+      if (is_covered(i)) cycle
+      associate (both => [near%face%items(i), faces%data%member(near%partner%items(i))])
+        if (all(is_rigid_sheet(now, faces%data, both))) is_covered(i) = are_excluded(now, faces%data, now%body(both))
+      end associate
+    end do
     i = findloc(is_covered, .false., dim=1)
     if (i == 0) return
     associate (mesh => model%mesh, f => near%face%items(i), m => faces%data%member(near%partner%items(i)))

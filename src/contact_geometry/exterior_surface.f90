@@ -15,10 +15,11 @@ module amontons_exterior_surface
   use amontons_facets, only: facets_type, facet_nodes, n_facet_corners
   implicit none
   private
-  public :: exterior_type, build_exterior, measure_faces, depths_below
+  public :: exterior_type, build_exterior, measure_faces, depths_below, common_depth, is_thin
 
   real(DP), parameter :: FEATURE_ANGLE = PI / 4            !< a sharper edge is a crease [rad]
   integer, parameter :: MAX_FACE_CORNERS = 4
+  real(DP), parameter :: THIN_RATIO = 1.0e-5_DP             !< depth over the edge: no depth; rigid elements have 1e-6 [-]
 
   !> The exterior faces.
   type :: exterior_type
@@ -250,6 +251,25 @@ contains
       depth = 2 * abs(dot_product(normal, centre - sum(x(:, nodes), dim=2) / real(size(nodes), DP)))
     end associate
   end function face_depth
+
+
+  !> Whether an element has no depth worth the name below a face, as rigid elements.
+  elemental logical function is_thin(depth, edge)
+    real(DP), intent(in) :: depth                  !< [length]
+    real(DP), intent(in) :: edge                   !< longest of the face [length]
+    is_thin = depth < THIN_RATIO * edge
+  end function is_thin
+
+
+  !> How deep a slave may lie behind a face and see it: the depth of the face; of a thin one half the depth of the slave, which
+  !! then does not see both sides.
+  elemental real(DP) function common_depth(depth, edge, slave_depth) result(seen)
+    real(DP), intent(in) :: depth                  !< below the face [length]
+    real(DP), intent(in) :: edge                   !< longest of the face [length]
+    real(DP), intent(in) :: slave_depth            !< [length]
+    seen = depth
+    if (is_thin(depth, edge)) seen = max(depth, 0.5_DP * slave_depth)
+  end function common_depth
 
 
   !> The depths of the elements below facets, in the reference configuration [length].

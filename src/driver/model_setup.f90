@@ -31,14 +31,12 @@ contains
     type(job_options_type), intent(in) :: options
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
-    character(:), allocatable :: found
     logical, allocatable :: is_bound(:)
     call open_user_routines(model, options, error)
     if (allocated(error)) return
     call add_ties(model, error)
     if (allocated(error)) return
-    call add_general_contact(model, found)
-    if (found /= '') call logger%say(found)
+    call add_general_contact(model, logger)
     if (allocated(model%general_contact)) call order_slave_terms(model, is_bound)
     call soften_dependent_pairs(model, logger)
     call adjust(model, logger, error)
@@ -88,13 +86,16 @@ contains
   end subroutine add_ties
 
 
-  !> Converts general contact to contact pairs. After: text says what was found; '' without *CONTACT.
-  subroutine add_general_contact(model, text)
+  !> Converts general contact to contact pairs and says what was found.
+  subroutine add_general_contact(model, logger)
     type(model_type), intent(inout) :: model
-    character(:), allocatable, intent(out) :: text
+    type(logger_type), intent(inout) :: logger
     type(general_pairs_type) :: found
+    character(:), allocatable :: text
     call find_general_pairs(model, found, text)
     call add_self_pairs(model, found, text)
+    if (text /= '') call logger%say(text)
+    if (found%warning /= '') call logger%warn(found%warning)
     if (size(found%pairs) == 0) return
     model%surfaces = [model%surfaces, found%surfaces]
     model%pairs = [model%pairs, found%pairs]

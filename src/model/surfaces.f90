@@ -67,6 +67,7 @@ module amontons_surfaces
     real(DP) :: clearance = 0                   !< the initial gap [length]
     character(:), allocatable :: name           !< 'slave / master', for messages
     logical :: is_general = .false.             !< found by general contact: its surfaces may be apart and turn away from each other
+    real(DP) :: slave_depth = 0                 !< of it: the least depth of the elements below the slave faces [length]
   end type contact_pair_type
 
   !> General contact: which faces of the exterior may touch, and by which interaction. The surface 0 is the whole exterior. Of
