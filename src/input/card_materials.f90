@@ -297,7 +297,8 @@ contains
       default='COORDINATES')
     call table%reject_words('NODES|OFFSET TO NODES', 'Give coordinates.')
     call table%option('LOCAL DIRECTIONS', VALUE_TEXT, '', status=ENTRY_IGNORED)
-    call table%card('DISTRIBUTION', SCOPE_MODEL, 'Local axes element by element; ORIENTATION names it.', data= &
+    call table%card('DISTRIBUTION', SCOPE_MODEL, 'Local axes element by element; ORIENTATION names it. In a part they ' // &
+      'move with its instances.', data= &
       'first line: blank, six default coordinates; then element or element set, six coordinates')
     call table%option('NAME', VALUE_NAME, 'Name of the distribution.', default='required')
     call table%option('LOCATION|TABLE', VALUE_TEXT, '', status=ENTRY_IGNORED)

@@ -548,7 +548,12 @@ contains
       case ('ORIENTATION', 'TRANSFORM')
         text = point_row(cards, row, scope, n == 1, name_key(parameter_value(cards, c, 'SYSTEM') // parameter_value(cards, c, &
           'TYPE')))
-      case ('HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS', 'TRANSVERSESHEAR')   ! numbers; the table of cards says what they do
+        if (n == 1) then
+          if (has_own_distribution(cards, work, scope, field_text(cards, row, 1))) text = first_row(cards, work, row, scope, 0, 1)
+        end if
+      case ('DISTRIBUTION')
+        text = distribution_row(cards, work, row, scope, system_of(cards, parameter_value(cards, c, 'NAME')))
+      case ('DISTRIBUTIONTABLE', 'HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS', 'TRANSVERSESHEAR')   ! as it is
         text = line_text(cards, row%line)
       case ('CONTACTPAIR')
         text = set_row(cards, work, row, scope, .false., 0)
@@ -781,6 +786,81 @@ contains
   end function profile_row
 
 
+  !> Whether the part or the instance of a scope has a distribution of a name.
+  logical function has_own_distribution(cards, work, scope, name) result(is_own)
+    type(cards_type), intent(in) :: cards
+    type(flattening_type), intent(in) :: work
+    type(instance_type), intent(in) :: scope
+    character(*), intent(in) :: name
+    integer :: c
+    is_own = .false.
+    if (scope%name == '' .or. name == '') return
+    associate (part => work%parts(find_part(work, scope)))
+      do c = 1, cards%n_cards
+        if (cards%cards(c)%key /= 'DISTRIBUTION') cycle
+        if ((c < part%first .or. c > part%last) .and. (c < scope%first .or. c > scope%last)) cycle
+        if (name_key(parameter_value(cards, c, 'NAME')) == name_key(name)) is_own = .true.
+      end do
+    end associate
+  end function has_own_distribution
+
+
+  !> The SYSTEM of the orientation that names a distribution; '' is RECTANGULAR.
+  function system_of(cards, name) result(system)
+    type(cards_type), intent(in) :: cards
+    character(*), intent(in) :: name
+    character(:), allocatable :: system
+    type(data_row_type) :: row
+    integer :: c
+    system = ''
+    do c = 1, cards%n_cards
+      if (cards%cards(c)%key /= 'ORIENTATION') cycle
+      call start_rows(cards%cards(c), row)
+      if (.not. next_row(cards, row)) cycle
+      if (name_key(field_text(cards, row, 1)) /= name_key(name)) cycle
+      system = name_key(parameter_value(cards, c, 'SYSTEM'))
+      return
+    end do
+  end function system_of
+
+
+  !> A row of DISTRIBUTION: nothing, an element or a set, then two points of axes as ORIENTATION has them.
+  function distribution_row(cards, work, row, scope, system) result(text)
+    type(cards_type), intent(in) :: cards
+    type(flattening_type), intent(in) :: work
+    type(data_row_type), intent(in) :: row
+    type(instance_type), intent(in) :: scope
+    character(*), intent(in) :: system           !< begins with C if cylindrical
+    character(:), allocatable :: text
+    real(DP) :: x(6)
+    integer :: i, status
+    text = first_row(cards, work, row, scope, scope%element_shift, 1)
+    if (.not. scope%has_placement) return
+    x = 0
+    do i = 2, min(7, row%n)
+      call field_real(cards, row, i, x(i - 1), status)
+      if (status /= NUMBER_OK) return            ! the reader of the card reports it
+    end do
+    text = qualified_reference(work, scope, field_text(cards, row, 1), scope%element_shift) // placed_axes(scope, system, x)
+  end function distribution_row
+
+
+  !> Two points of axes in the instance, each with a comma before: of axes through the origin they are only rotated.
+  function placed_axes(scope, system, x) result(text)
+    type(instance_type), intent(in) :: scope
+    character(*), intent(in) :: system           !< begins with C if cylindrical
+    real(DP), intent(in) :: x(6)
+    character(:), allocatable :: text
+    type(instance_type) :: mover
+    mover = scope
+    if (index(system, 'C') /= 1) then
+      mover%shift = 0
+      mover%centre = 0
+    end if
+    text = format_point(placed_point(mover, x(:3))) // format_point(placed_point(mover, x(4:)))
+  end function placed_axes
+
+
   !> A row of ORIENTATION or TRANSFORM: the first has two points. Those of axes through the origin are only rotated.
   function point_row(cards, row, scope, is_first, system) result(text)
     type(cards_type), intent(in) :: cards
@@ -789,7 +869,6 @@ contains
     logical, intent(in) :: is_first
     character(*), intent(in) :: system           !< begins with C if cylindrical
     character(:), allocatable :: text
-    type(instance_type) :: mover
     real(DP) :: x(6)
     integer :: i, status
     text = field_text(cards, row, 1)
@@ -802,13 +881,8 @@ contains
       call field_real(cards, row, i, x(i), status)
       if (status /= NUMBER_OK) return
     end do
-    mover = scope
-    if (index(system, 'C') /= 1) then
-      mover%shift = 0
-      mover%centre = 0
-    end if
-    text = format_point(placed_point(mover, x(:3)))
-    text = text(3:) // format_point(placed_point(mover, x(4:)))
+    text = placed_axes(scope, system, x)
+    text = text(3:)
   end function point_row
 
 end module amontons_deck_parts
