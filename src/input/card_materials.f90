@@ -262,7 +262,9 @@ contains
       'direction 1 and 2.', default='0')
     call table%option('TEMPERATURE', VALUE_WORD, 'A node has one temperature, for all of its cross-section.', &
       status=ENTRY_IGNORED)
-    call table%option('POISSON|ROTARY INERTIA|NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', status=ENTRY_REJECTED)
+    call table%option('POISSON', VALUE_REAL, 'The area changes by the material, as that of a solid.', status=ENTRY_IGNORED)
+    call table%option('LUMPED|ROTARY INERTIA', VALUE_TEXT, 'Statics has no inertia.', status=ENTRY_IGNORED)
+    call table%option('NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', status=ENTRY_REJECTED)
   call table%card('BEAM GENERAL SECTION', SCOPE_MODEL, 'Gives beams their cross-section and its elasticity, without a *MATERIAL.', &
      data='dimensions as in BEAM SECTION; second line: direction 1; third line: Young''s modulus, shear modulus, thermal expansion')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')

@@ -297,7 +297,7 @@ contains
     do while (next_row(reader%cards, row))
       if (modulo(row%n, 2) /= 0) then
         call report_error(reader, row%line, 'An amplitude has pairs of time and factor; this line has an odd number ' // &
-          'of values.')
+          'of values. CalculiX takes the factor that is missing as 0: write it.')
         is_ok = .false.
       end if
       do i = 1, row%n

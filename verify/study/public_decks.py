@@ -40,6 +40,7 @@ OTHERS = re.compile(r"^\*(dynamic|frequency|buckle|heat\s*transfer|(un)?coupled\
                     r"electromagnetics|mass\s*diffusion|soils|geostatic|substructure|complex\s*frequency|no\s*analysis)", re.I | re.M)
 FORTRAN = {".for", ".f", ".f90"}
 ROUTINES = {"UEL": r"\*user\s*element", "UMAT": r"\*user\s*material", "USDFLD": r"\*user\s*defined\s*field"}  #: and the cards that need them
+COMPILER_ENDED = "signal terminated program"  #: gfortran of its own process: the limit of time ends the compilation of a routine
 OUR_CODES = {0: "finishes", 3: "errors in the deck", 4: "model check", 5: "does not converge"}
 
 
@@ -71,7 +72,7 @@ class Outcome:
 
 def cause_of(run: Run) -> str:
     """The first error of a log, without its place, numbers and names."""
-    if run.code == -1:
+    if run.code == -1 or COMPILER_ENDED in run.log:
         return "out of time"
     errors = [line for line in run.log.splitlines() if "*ERROR" in line]
     if not errors:
