@@ -1,4 +1,4 @@
-!> Conjugate gradients with the two-level preconditioner over the ranks: unknowns, matrix, U and vectors are divided.
+!> Krylov methods with the two-level preconditioner over the ranks: unknowns, matrix, U and vectors are divided.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Each rank has a domain: its own unknowns and the halo, one layer of unknowns of other ranks (`halo`). It holds A on its domain.
@@ -13,16 +13,19 @@
 !! A whole matrix is divided by copies of its entries. Of a matrix of which each rank has the part of its own elements, the entries
 !! on the borders are exchanged (`domain_matrix`).
 !!
+!! A skew-symmetric D may be subtracted from A: GMRES then solves (A - D) x = b, with the same preconditioner. Each rank has the
+!! rows of D of its own unknowns; their columns lie on its domain, because D has the pattern of A.
+!!
 !! An iteration has three messages to each neighbour (the direction; the residual; what U gives in the halo), a sum of the coarse
-!! residual Z'r and three scalars. Sums are in the order of the ranks.
+!! residual Z'r and three scalars; with GMRES a scalar for each vector kept. Sums are in the order of the ranks.
 !! References: those of `two_level_preconditioner`; Cai and Sarkis, SIAM J. Sci. Comput. 21 (1999) 792, and Smith, Bjorstad, Gropp,
 !! Domain Decomposition, Cambridge 1996, sec. 1.3 (domains with a common layer).
 module amontons_distributed_two_level
   use amontons_kinds, only: DP, I64
   use amontons_containers, only: owners_of_entries
-  use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply_symmetric, alike_rows
-  use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
+  use amontons_errors, only: error_type, set_error, EXIT_INTERNAL
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, multiply_symmetric, alike_rows
+  use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, conjugate_gradients, gmres
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, take_coarse_space, factorise_first_level, &
     factorise_second_level, apply_first_level, restrict_residual, solve_second_level, add_correction, discard_preconditioner
   use amontons_halo, only: halo_type, halo_list_type, find_halo, list_halos, find_halo_in_lists, fill_halo, return_halo
@@ -31,8 +34,8 @@ module amontons_distributed_two_level
   implicit none
   private
   public :: distributed_two_level_type, create_distributed_two_level, update_distributed_two_level, &
-    apply_distributed_two_level, solve_distributed_two_level, compare_messages, &
-    describe_messages, discard_domain
+    renew_distributed_matrix, apply_distributed_two_level, solve_distributed_two_level, solve_distributed_unsymmetric, &
+    own_unknowns, compare_messages, describe_messages, discard_domain
 
   !> A and its preconditioner on the domain of this rank.
   type :: distributed_two_level_type
@@ -49,9 +52,10 @@ module amontons_distributed_two_level
     real(DP) :: most(5) = 0                        !< of all ranks: own unknowns, halo, neighbours, messages and bytes sent so far
   end type distributed_two_level_type
 
-  !> A on own unknowns.
+  !> A, or A - D, on own unknowns.
   type, extends(operator_type) :: divided_matrix_type
     type(distributed_two_level_type), pointer :: solver => null()
+    type(sparse_type) :: skew                      !< rows of D (n_own x unknowns of the domain); not built: D = 0
   contains
     procedure :: apply => apply_matrix
     procedure :: complete => complete_over_ranks
@@ -199,6 +203,14 @@ contains
   end subroutine update_distributed_two_level
 
 
+  !> New values of A with the preconditioner of earlier ones.
+  subroutine renew_distributed_matrix(self, matrix)
+    type(distributed_two_level_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: matrix        !< A or the part of this rank, of the pattern divided
+    call take_values(self, matrix)
+  end subroutine renew_distributed_matrix
+
+
   !> The values of A on the domain.
   subroutine take_values(self, matrix)
     type(distributed_two_level_type), intent(inout) :: self
@@ -272,6 +284,44 @@ contains
   end subroutine solve_distributed_two_level
 
 
+  !> Solves (A - D) x = b for whole vectors by GMRES, from x = 0. Errors: out of memory; D beyond the pattern of A.
+  subroutine solve_distributed_unsymmetric(self, skew, b, x, options, report, error)
+    type(distributed_two_level_type), intent(inout), target :: self
+    type(sparse_type), intent(in) :: skew          !< D: the rows of own_unknowns, columns of all unknowns
+    real(DP), intent(in) :: b(:)                   !< (n) the same on all ranks
+    real(DP), intent(out) :: x(:)                  !< (n)
+    type(krylov_options_type), intent(in) :: options
+    type(krylov_report_type), intent(out) :: report
+    type(error_type), allocatable, intent(out) :: error
+    type(divided_matrix_type) :: matrix
+    type(divided_preconditioner_type) :: preconditioner
+    real(DP) :: own(self%halo%n_own)
+    integer :: place(size(b)), i
+    place = 0
+    place(self%halo%unknown) = [(i, i=1, size(self%halo%unknown))]
+    matrix%skew = skew
+    matrix%skew%column = place(skew%column)
+    if (any(matrix%skew%column == 0)) call set_error(error, EXIT_INTERNAL, &
+      'A part of the tangent joins unknowns that the stiffness does not join.')
+    call share_error(error)
+    if (allocated(error)) return
+    matrix%solver => self
+    preconditioner%solver => self
+    own = 0
+    call gmres(matrix, preconditioner, b(self%halo%unknown(:self%halo%n_own)), own, options, report, error)
+    call share_error(error)
+    if (.not. allocated(error)) call collect(self, own, x)
+  end subroutine solve_distributed_unsymmetric
+
+
+  !> The unknowns of this rank, ascending.
+  pure function own_unknowns(self) result(unknowns)
+    type(distributed_two_level_type), intent(in) :: self
+    integer :: unknowns(self%halo%n_own)
+    unknowns = self%halo%unknown(:self%halo%n_own)
+  end function own_unknowns
+
+
   !> Takes the largest counts of all ranks, for describe_messages.
   subroutine compare_messages(self)
     type(distributed_two_level_type), intent(inout) :: self
@@ -323,7 +373,7 @@ contains
   end subroutine collect
 
 
-  !> y = A x on own unknowns: the rows of the halo are not complete and are not used.
+  !> y = (A - D) x on own unknowns: the rows of the halo are not complete and are not used.
   subroutine apply_matrix(self, x, y)
     class(divided_matrix_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_own)
@@ -333,6 +383,9 @@ contains
     call fill_halo(self%solver%halo, on_domain)
     call multiply_symmetric(self%solver%matrix, on_domain, product)
     y = product(:size(y))
+    if (.not. allocated(self%skew%first)) return
+    call multiply(self%skew, on_domain, product(:size(y)))
+    y = y - product(:size(y))
   end subroutine apply_matrix
 
 

@@ -10,7 +10,7 @@ module amontons_mpi_ranks
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   implicit none
   private
-  public :: begin_ranks, end_ranks, join_ranks, leave_ranks, this_rank, n_ranks, is_first_rank
+  public :: begin_ranks, end_ranks, join_ranks, leave_ranks, this_rank, n_ranks, is_first_rank, is_last_rank
   public :: sum_over_ranks, gather_parts, join_parts, exchange_with_ranks, min_over_ranks, share_error, check_agreement, &
     is_shared_by_ranks, abort_ranks
 
@@ -137,10 +137,16 @@ contains
   end function n_ranks
 
 
-  !> Whether this process is the one that writes: log and files.
+  !> Whether this process is the one that writes the log, and all files but .frd.
   logical function is_first_rank()
     is_first_rank = rank_c() == 0
   end function is_first_rank
+
+
+  !> Whether this process is the one that writes .frd.
+  logical function is_last_rank()
+    is_last_rank = rank_c() == n_ranks_c() - 1
+  end function is_last_rank
 
 
   !> A vector.

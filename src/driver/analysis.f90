@@ -14,7 +14,7 @@ module amontons_analysis
   use amontons_posix, only: is_status_requested, pending_stop_signal, suspend_lock, resume_lock, has_memory
   use amontons_version, only: VERSION
   use amontons_distributed_two_level, only: compare_messages, describe_messages
-  use amontons_mpi_ranks, only: n_ranks, is_first_rank, min_over_ranks, share_error, check_agreement
+  use amontons_mpi_ranks, only: n_ranks, min_over_ranks, share_error, check_agreement
   use amontons_assembly, only: share_points
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
@@ -134,7 +134,7 @@ contains
     if (is_batch(analysis)) analysis%snapshot%fields = fields_type()
     if (options%has_files .and. .not. options%is_resumed) then
       !$omp critical (result_files)
-      if (is_first_rank()) call open_files(analysis, error)
+      call open_files(analysis, error)
       !$omp end critical (result_files)
       call share_error(error)
     end if

@@ -26,7 +26,7 @@ module amontons_job_files
   use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
   use amontons_driven_loads, only: driven_loads_type
-  use amontons_mpi_ranks, only: is_first_rank
+  use amontons_mpi_ranks, only: is_first_rank, is_last_rank, min_over_ranks, sum_over_ranks, share_error
   implicit none
   private
   public :: analysis_type, is_at_end, is_batch, open_files, reopen_files, write_committed, close_files, describe_result_files
@@ -55,7 +55,7 @@ module amontons_job_files
     integer :: n_records = 0
     integer :: n_committed = 0                     !< records up to the last commit
     logical :: is_open = .false.                   !< the job has started and is not finished
-    logical :: has_files = .false.                 !< result files are open
+    logical :: has_files = .false.                 !< the ranks have opened the result files
     type(iteration_record_type), allocatable :: iterations(:)   !< those not yet in the result file
     integer :: n_iterations = 0
     real(DP) :: smallest_pnewdt = 1                         !< smallest PNEWDT of user routines in this attempt [-]
@@ -90,22 +90,48 @@ contains
   subroutine open_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
+    if (is_first_rank()) call open_first_files(analysis, error)
+    if (.not. allocated(error)) then
+      if (is_last_rank()) call open_frd(analysis%frd, analysis%model, analysis%options, error)
+    end if
+    call share_error(error)
+    if (allocated(error)) return
+    analysis%has_files = .true.
+    call share_frd_counts(analysis, .true., error)
+    if (allocated(error)) return
+    if (is_first_rank()) call save_checkpoint(analysis, .false., error)
+  end subroutine open_files
+
+
+  !> Opens those of the first rank.
+  subroutine open_first_files(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
     call open_results(analysis%results, analysis%model, analysis%options, error)
     if (allocated(error)) return
     call open_text_output(analysis%text_output, analysis%model, analysis%options, error)
-    if (allocated(error)) return
-    call open_frd(analysis%frd, analysis%model, analysis%options, error)
     if (allocated(error)) return
     call write_first(analysis, error)
     if (allocated(error)) return
     if (any(analysis%model%steps%restart_frequency > 0)) call create_restart_file(analysis%restart_file, &
       job_path(analysis%options, '.res'), analysis%model%deck_text, analysis%model%dialect, error)
-    if (allocated(error)) return
-    analysis%has_files = .true.
     call text_output_lengths(analysis%text_output, analysis%lengths)
+  end subroutine open_first_files
+
+
+  !> What the checkpoint, which the first rank writes, must know of the .frd file of the last rank.
+  subroutine share_frd_counts(analysis, is_checkpoint, error)
+    type(analysis_type), intent(inout) :: analysis
+    logical, intent(in) :: is_checkpoint           !< a checkpoint follows: the file is brought to the disk
+    type(error_type), allocatable, intent(out) :: error
+    real(DP) :: counts(size(analysis%frd_counts))
+    if (is_checkpoint .and. analysis%options%is_guarded) call sync_frd(analysis%frd, error)
+    call share_error(error)
     call frd_file_counts(analysis%frd, analysis%frd_counts)
-    call save_checkpoint(analysis, .false., error)
-  end subroutine open_files
+    counts = real(analysis%frd_counts, DP)
+    call sum_over_ranks(counts)
+    analysis%frd_counts = nint(counts, I64)
+  end subroutine share_frd_counts
 
 
   !> Writes the frame before the first increment, with the gaps of the model check, which the state does not contain yet.
@@ -148,17 +174,9 @@ contains
     associate (options => analysis%options, model => analysis%model)
       call read_checkpoint(job_path(options, '.restart'), model, analysis%snapshot, files, error)
       if (allocated(error)) return
-      if (.not. is_first_rank()) return
-      call repair_hdf5(job_path(options, '.vtkhdf'), files%pages, error)
+      if (is_last_rank()) call resume_frd(analysis%frd, model, options, files%frd, error)
       if (allocated(error)) return
-      call resume_results(analysis%results, model, n_nodal_slaves(model, analysis%state%old%slaves), options, error)
-      if (allocated(error)) return
-      call resume_text_output(analysis%text_output, model, options, files%lengths, error)
-      if (allocated(error)) return
-      call resume_frd(analysis%frd, model, options, files%frd, error)
-      if (allocated(error)) return
-      if (any(model%steps%restart_frequency > 0)) call reopen_restart_file(analysis%restart_file, job_path(options, '.res'), &
-        files%restart_file, error)
+      if (is_first_rank()) call reopen_first_files(analysis, files, error)
       if (allocated(error)) return
       analysis%has_files = .true.
       analysis%is_guarded = .true.
@@ -168,34 +186,64 @@ contains
   end subroutine reopen_files
 
 
-  !> Writes the iterations and attempts since the last commit, and the fields of the last increment.
+  !> Reopens those of the first rank.
+  subroutine reopen_first_files(analysis, files, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(output_lengths_type), intent(in) :: files !< at the checkpoint
+    type(error_type), allocatable, intent(out) :: error
+    associate (options => analysis%options, model => analysis%model)
+      call repair_hdf5(job_path(options, '.vtkhdf'), files%pages, error)
+      if (allocated(error)) return
+      call resume_results(analysis%results, model, n_nodal_slaves(model, analysis%state%old%slaves), options, error)
+      if (allocated(error)) return
+      call resume_text_output(analysis%text_output, model, options, files%lengths, error)
+      if (allocated(error)) return
+      if (any(model%steps%restart_frequency > 0)) call reopen_restart_file(analysis%restart_file, job_path(options, '.res'), &
+        files%restart_file, error)
+    end associate
+  end subroutine reopen_first_files
+
+
+  !> Writes the iterations and attempts since the last commit, and the fields of the last increment; then the checkpoint, if it is
+  !! due.
   subroutine write_committed(analysis, first, error)
     type(analysis_type), intent(inout) :: analysis
     integer, intent(in) :: first                   !< record
     type(error_type), allocatable, intent(out) :: error
     type(error_type), allocatable :: text_error
-    call write_attempts(analysis, first, analysis%n_records - 1, error)
+    logical :: is_due
+    if (is_first_rank()) call write_attempts(analysis, first, analysis%n_records - 1, error)
+    analysis%n_iterations = 0
+    call share_error(error)
     if (allocated(error)) return
     associate (record => analysis%records(analysis%n_records))
       !$omp parallel sections num_threads(2) if(has_two_threads())
       !$omp section
-      call write_increment(analysis%results, analysis%model, analysis%state%old, record, error)
+      if (is_first_rank()) call write_increment(analysis%results, analysis%model, analysis%state%old, record, error)
       !$omp section
       call write_texts(analysis, record, text_error)
       !$omp end parallel sections
+      if (.not. allocated(error) .and. allocated(text_error)) call move_alloc(text_error, error)
+      if (.not. allocated(error)) then
+        if (is_first_rank()) call keep_state(analysis, record, error)
+      end if
     end associate
-    if (.not. allocated(error) .and. allocated(text_error)) call move_alloc(text_error, error)
+    call share_error(error)
+    if (allocated(error)) return
+    is_due = .false.
+    if (is_first_rank()) is_due = is_checkpoint_due(analysis)      ! its clock decides for all
+    is_due = min_over_ranks(merge(-1.0_DP, 0.0_DP, is_due)) < 0.0_DP
+    if (is_due) is_due = .not. is_finished(analysis)
+    call share_frd_counts(analysis, is_due, error)
     if (allocated(error)) return
     call text_output_lengths(analysis%text_output, analysis%lengths)
-    call frd_file_counts(analysis%frd, analysis%frd_counts)
-    call keep_state(analysis, analysis%records(analysis%n_records), error)
-    if (allocated(error)) return
     analysis%is_guarded = .false.
-    if (is_checkpoint_due(analysis) .and. .not. is_finished(analysis)) call save_checkpoint(analysis, .false., error)
+    if (.not. is_due) return
+    if (is_first_rank()) call save_checkpoint(analysis, .false., error)
   end subroutine write_committed
 
 
-  !> Writes .sta, .cvg, .dat and .frd; a second thread can compress the result file meanwhile.
+  !> Writes .sta, .cvg, .dat and .frd as far as this rank has opened them; a second thread can compress the result file meanwhile.
   subroutine write_texts(analysis, record, error)
     type(analysis_type), intent(inout) :: analysis
     type(increment_record_type), intent(in) :: record
@@ -292,7 +340,6 @@ contains
     call system_clock(start)
     call export_result_pages(analysis%results, is_old, files%pages, error)
     if (.not. (allocated(error) .or. is_old)) call sync_text_output(analysis%text_output, error)
-    if (.not. (allocated(error) .or. is_old)) call sync_frd(analysis%frd, error)
     files%lengths = analysis%lengths
     files%frd = analysis%frd_counts
     files%restart_file = [analysis%restart_file%last, analysis%restart_file%end, int(analysis%restart_file%step, I64)]
@@ -339,12 +386,14 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(error_type), allocatable :: frd_error
     integer :: unit, status
-    call check_text_output(analysis%text_output, error)
+    call share_frd_counts(analysis, .true., error)
+    if (.not. allocated(error)) call check_text_output(analysis%text_output, error)
     if (is_writing(analysis%results) .and. .not. allocated(error)) call close_result_file(analysis, error)
     call close_text_output(analysis%text_output)
     call close_frd(analysis%frd, frd_error)
     if (.not. allocated(error)) call move_alloc(frd_error, error)
     if (allocated(error) .or. .not. analysis%options%is_guarded) return
+    if (.not. is_first_rank()) return
     if (.not. is_at_end(analysis) .or. analysis%model%keeps_checkpoint) return
     open (newunit=unit, file=job_path(analysis%options, '.restart'), status='old', iostat=status)
     if (status == 0) close (unit, status='delete')

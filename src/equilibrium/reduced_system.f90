@@ -16,7 +16,7 @@ module amontons_reduced_system
     has_midsides
   use amontons_controls, only: linear_solver_controls_type
   use amontons_steps, only: SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GAMG, SOLVER_HYPRE, SOLVER_MUMPS, SOLVER_BDDC
-  use amontons_sparse, only: sparse_type, is_same_pattern
+  use amontons_sparse, only: sparse_type, is_same_pattern, sparse_product, sparse_transpose, rows_of
   use amontons_matrix_reduction, only: reduction_type, analyse_reduction, reduce_matrix
   use amontons_krylov, only: operator_type, matrix_operator_type, krylov_options_type, krylov_report_type, conjugate_gradients
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, estimate_memory, FACTOR_OK
@@ -31,13 +31,14 @@ module amontons_reduced_system
     update_distributed, apply_distributed, solve_distributed, DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, &
     DISTRIBUTED_MUMPS, DISTRIBUTED_TWO_LEVEL, DISTRIBUTED_BDDC, DISTRIBUTED_NAMES
   use amontons_distributed_two_level, only: distributed_two_level_type, create_distributed_two_level, &
-    update_distributed_two_level, apply_distributed_two_level, solve_distributed_two_level, discard_domain
+    update_distributed_two_level, renew_distributed_matrix, apply_distributed_two_level, solve_distributed_two_level, &
+    solve_distributed_unsymmetric, own_unknowns, discard_domain
   use amontons_constraints, only: constraints_type
   implicit none
   private
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
-    factorise_reduced_system, apply_reduced_inverse, iterate_reduced_system, abandon_iteration, discard_analysis, &
-    discard_iteration, old_factor_iterations, renew_matrix, choose_division
+    factorise_reduced_system, apply_reduced_inverse, iterate_reduced_system, iterate_unsymmetric, abandon_iteration, &
+    discard_analysis, discard_iteration, old_factor_iterations, renew_matrix, choose_division
 
   !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner; directions of
   !! Newton's method, of which those of an increment share a factor or preconditioner.
@@ -81,7 +82,7 @@ module amontons_reduced_system
     type(solution_cost_type) :: cost               !< of the last analysis
     integer :: n_factorised = 0                          !< factorisations of the last call
     integer :: n_shifted = 0                       !< of them with a shift
-    integer :: n_new_iterations = 0                !< iterations of the last solution with a preconditioner of its own A
+    integer :: n_new_iterations = 0                !< iterations of the last direction with a preconditioner of its own A
     logical :: is_shift_allowed = .true.           !< where A is not positive; else it has no factor
   end type reduced_system_type
 
@@ -186,7 +187,7 @@ contains
       if (allocated(error)) return
       if (self%is_divided) deallocate (self%matrix%value)
       self%is_current = .not. is_broken
-      self%is_reusable = self%is_current .and. self%distributed_kind == DISTRIBUTED_NONE
+      self%is_reusable = self%is_current .and. any(self%distributed_kind == [DISTRIBUTED_NONE, DISTRIBUTED_TWO_LEVEL])
       if (self%is_current) return
       call abandon_iteration(self)
       if (self%is_divided) return
@@ -231,6 +232,9 @@ contains
     call reduce_matrix(self%reduction, stiffness, constraints%transformation, self%matrix, error)
     if (allocated(error)) return
     self%analysed_map%value = constraints%transformation%value
+    if (self%distributed_kind /= DISTRIBUTED_TWO_LEVEL) return
+    call renew_distributed_matrix(self%divided, self%matrix)
+    if (self%is_divided) deallocate (self%matrix%value)
   end subroutine renew_matrix
 
 
@@ -756,13 +760,30 @@ contains
       matrix%matrix => self%matrix
       preconditioner%system => self
       call conjugate_gradients(matrix, preconditioner, b, x, options, report)
-      if (self%is_current) self%n_new_iterations = report%n_iterations
     case (DISTRIBUTED_TWO_LEVEL)
       call solve_distributed_two_level(self%divided, b, x, options, report)
     case default
       call solve_distributed(self%distributed, b, x, options, report, error)
     end select
   end subroutine iterate_reduced_system
+
+
+  !> Solves (A - C' W C) x = b by GMRES on the unknowns of each rank, from x = 0, where the iteration over the ranks serves.
+  subroutine iterate_unsymmetric(self, skew, constraints, b, x, options, report, error)
+    type(reduced_system_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: skew          !< W (n_unknowns x n_unknowns), in the pattern of K [force/length]
+    type(constraints_type), intent(in) :: constraints    !< C
+    real(DP), intent(in) :: b(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: x(:)                  !< (n_free) [length]
+    type(krylov_options_type), intent(in) :: options
+    type(krylov_report_type), intent(out) :: report
+    type(error_type), allocatable, intent(out) :: error
+    associate (C => constraints%transformation)
+      call solve_distributed_unsymmetric(self%divided, &
+        sparse_product(sparse_product(rows_of(sparse_transpose(C), own_unknowns(self%divided)), skew), C), &
+        b, x, options, report, error)
+    end associate
+  end subroutine iterate_unsymmetric
 
 
   !> y ~ inv(A) x.

@@ -11,9 +11,10 @@ module amontons_tangent_solution
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_reduced_system, only: apply_reduced_inverse, iterate_reduced_system
+  use amontons_reduced_system, only: apply_reduced_inverse, iterate_reduced_system, iterate_unsymmetric
   use amontons_contact_preconditioner, only: apply_bulk, apply_coarse_space, apply_tiles, subtract_contact
   use amontons_schur_interface, only: apply_schur_interface
+  use amontons_distributed_solver, only: DISTRIBUTED_TWO_LEVEL
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
   use amontons_constraints, only: condense_forces, build_condensation_matrix
@@ -130,6 +131,7 @@ contains
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
     logical :: is_iterative, is_symmetric
+    logical :: is_divided                          ! vectors of GMRES, over the ranks
     outcome = OUTCOME_OK
     is_iterative = system%reduced_system%is_iterative .and. .not. system%has_interface_solver
     if (system%is_skin) then
@@ -161,8 +163,13 @@ contains
     end if
     system%schur_interface%allowed_residual = max(options%tolerance, allowed_residual / max(norm2(b), tiny(allowed_residual)))
     is_symmetric = size(system%contact_tangents) == 0 .and. .not. allocated(system%assembly%skew%matrix%first)
+    is_divided = is_iterative .and. size(system%contact_tangents) == 0 .and. &
+      system%reduced_system%distributed_kind == DISTRIBUTED_TWO_LEVEL
     if (is_iterative .and. is_symmetric) then
       call iterate_reduced_system(system%reduced_system, b, v, options, report, error)
+      if (allocated(error)) return
+    else if (is_divided) then
+      call iterate_unsymmetric(system%reduced_system, system%assembly%skew%matrix, system%constraints, b, v, options, report, error)
       if (allocated(error)) return
     else if (system%max_old_iterations > 0 .and. is_symmetric) then
       call conjugate_gradients(tangent, preconditioner, b, v, options, report)
@@ -171,6 +178,7 @@ contains
       if (allocated(error)) return
     end if
     system%n_krylov = system%n_krylov + report%n_iterations
+    if (system%reduced_system%is_current) system%reduced_system%n_new_iterations = report%n_iterations
     if (system%has_interface_solver .and. report%n_iterations > system%controls%krylov%max_stale_iterations &
       .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
     if (report%status == KRYLOV_CONVERGED) return

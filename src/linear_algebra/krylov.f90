@@ -3,8 +3,8 @@
 !!
 !! Both measure the true residual b - A x in the 2-norm; conjugate gradients also in the norm of the preconditioner, if a direction
 !! may be inexact (`energy_tolerance`). Sums have a fixed order: results repeat bitwise. Nothing they return is ever NaN: after a
-!! breakdown, x is the best iterate so far. Conjugate gradients work on parts of vectors, too, if the operator completes sums over
-!! its part to sums over all of them (`complete`).
+!! breakdown, x is the best iterate so far. Both work on parts of vectors, too, if the operator completes sums over its part to sums
+!! over all of them (`complete`).
 !! References: Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 6.5, 6.7, 9.4;
 !! Sleijpen and van der Vorst, Computing 56 (1996) 141 (residuals computed anew);
 !! Saad, SIAM J. Sci. Comput. 14 (1993) 461 (flexible GMRES); Giraud and Langou, IMA J. Numer. Anal. 22 (2002) 521.
@@ -99,20 +99,21 @@ contains
     type(krylov_report_type), intent(out) :: report
     type(error_type), allocatable, intent(out) :: error
     type(gmres_cycle_type) :: basis
-    real(DP) :: r(size(b)), best(size(b)), target_residual, size_of_b, before
+    real(DP) :: r(size(b)), best(size(b)), target_residual, size_of_b, size_of_r, before
     call check_trivial_solution(operator, b, x, options, r, size_of_b, target_residual, report)
     if (report%status /= KRYLOV_MAX_ITERATIONS) return
     call allocate_cycle(basis, size(b), min(options%restart, options%max_iterations), error)
     if (.not. allocated(basis%g)) return
-    before = norm(r)
+    before = length_of(operator, r)
     do while (report%status == KRYLOV_MAX_ITERATIONS .and. report%n_iterations < options%max_iterations)
       best = x
       call run_gmres_cycle(operator, preconditioner, r, target_residual, options, basis, x, report)
       if (report%status == KRYLOV_NOT_FINITE) exit
       call residual_of(operator, b, x, r)
-      call check_stagnation(norm(r), target_residual, before, report)
-      if (norm(r) > before) x = best                          ! by rounding only
-      before = min(norm(r), before)
+      size_of_r = length_of(operator, r)
+      call check_stagnation(size_of_r, target_residual, before, report)
+      if (size_of_r > before) x = best                        ! by rounding only
+      before = min(size_of_r, before)
     end do
     report%residual = before / size_of_b
   end subroutine gmres
@@ -200,14 +201,14 @@ contains
     integer :: k, n_steps
     n_steps = 0
     basis%g = 0
-    basis%g(1) = norm(r)
+    basis%g(1) = length_of(operator, r)
     basis%v(:, 1) = r / basis%g(1)
     do k = 1, size(basis%c)
       if (report%n_iterations == options%max_iterations .or. abs(basis%g(k)) <= target_residual) exit
       call preconditioner%apply(basis%v(:, k), basis%z(:, k))
       call operator%apply(basis%z(:, k), basis%v(:, k + 1))
       report%n_iterations = report%n_iterations + 1
-      call orthogonalise(basis, k, whole, length)
+      call orthogonalise(operator, basis, k, whole, length)
       if (.not. ieee_is_finite(length)) then
         report%status = KRYLOV_NOT_FINITE
         exit
@@ -218,13 +219,14 @@ contains
       if (.not. length > 0) exit                            ! the space is complete: the solution lies in it
       basis%v(:, k + 1) = basis%v(:, k + 1) / length
     end do
-    call update_solution(basis, n_steps, x)
+    call update_solution(operator, basis, n_steps, x)
   end subroutine run_gmres_cycle
 
 
   !> Modified Gram-Schmidt of v(k + 1) against the earlier vectors, repeated if digits cancelled ("twice is
   !> enough"). Fills column k of h. A length at rounding level of the vector becomes 0.
-  subroutine orthogonalise(basis, k, whole, length)
+  subroutine orthogonalise(operator, basis, k, whole, length)
+    class(operator_type), intent(inout) :: operator
     type(gmres_cycle_type), intent(inout) :: basis
     integer, intent(in) :: k
     real(DP), intent(out) :: whole                          !< length of the vector
@@ -232,17 +234,17 @@ contains
     real(DP) :: before, overlap
     integer :: pass, i
     basis%h(:, k) = 0
-    whole = norm(basis%v(:, k + 1))
+    whole = length_of(operator, basis%v(:, k + 1))
     length = whole
     if (.not. ieee_is_finite(whole)) return
     do pass = 1, 2
       before = length
       do i = 1, k
-        overlap = dot(basis%v(:, i), basis%v(:, k + 1))
+        overlap = inner(operator, basis%v(:, i), basis%v(:, k + 1))
         basis%v(:, k + 1) = basis%v(:, k + 1) - overlap * basis%v(:, i)
         basis%h(i, k) = basis%h(i, k) + overlap
       end do
-      length = norm(basis%v(:, k + 1))
+      length = length_of(operator, basis%v(:, k + 1))
       if (length > 0.7_DP * before) exit
     end do
     if (length <= TOL_ROUNDING * whole) length = 0
@@ -278,7 +280,8 @@ contains
 
 
   !> Adds to x the combination of the preconditioned vectors with the smallest residual.
-  subroutine update_solution(basis, n_steps, x)
+  subroutine update_solution(operator, basis, n_steps, x)
+    class(operator_type), intent(inout) :: operator
     type(gmres_cycle_type), intent(in) :: basis
     integer, intent(in) :: n_steps
     real(DP), intent(inout) :: x(:)
@@ -291,7 +294,7 @@ contains
     do k = 1, n_steps
       correction = correction + y(k) * basis%z(:, k)
     end do
-    if (ieee_is_finite(norm(correction))) x = x + correction
+    if (ieee_is_finite(length_of(operator, correction))) x = x + correction
   end subroutine update_solution
 
 
@@ -459,14 +462,6 @@ contains
       product = product + x(k) * y(k)
     end do
   end function dot
-
-
-  !> The 2-norm.
-  pure function norm(x) result(length)
-    real(DP), intent(in) :: x(:)                            !< (n)
-    real(DP) :: length
-    length = sqrt(dot(x, x))
-  end function norm
 
 
   !> y = A x.

@@ -12,7 +12,7 @@ module amontons_sparse
   implicit none
   private
   public :: sparse_type, entry_position, set_too_large
-  public :: sparse_from_triplets, sparse_transpose, full_from_upper, upper_triangle, sparse_product, sparse_sum
+  public :: sparse_from_triplets, sparse_transpose, full_from_upper, upper_triangle, rows_of, sparse_product, sparse_sum
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: alike_rows, is_same_pattern
 
@@ -167,6 +167,23 @@ contains
       end do
     end do
   end function sparse_transpose
+
+
+  !> Some rows of a matrix.
+  pure function rows_of(matrix, chosen) result(part)
+    type(sparse_type), intent(in) :: matrix    !< (n x m)
+    integer, intent(in) :: chosen(:)           !< (k) rows, in the order wanted
+    type(sparse_type) :: part                  !< (k x m)
+    integer :: i, n
+    call allocate_matrix(part, size(chosen), matrix%n_columns, sum(matrix%first(chosen + 1) - matrix%first(chosen)))
+    part%first(1) = 1
+    do i = 1, size(chosen)
+      n = matrix%first(chosen(i) + 1) - matrix%first(chosen(i))
+      part%first(i + 1) = part%first(i) + n
+      part%column(part%first(i):part%first(i + 1) - 1) = matrix%column(matrix%first(chosen(i)):matrix%first(chosen(i) + 1) - 1)
+      part%value(part%first(i):part%first(i + 1) - 1) = matrix%value(matrix%first(chosen(i)):matrix%first(chosen(i) + 1) - 1)
+    end do
+  end function rows_of
 
 
   !> The upper triangle of a matrix.

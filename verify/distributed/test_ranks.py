@@ -215,6 +215,19 @@ def test_follower_pressure(tmp_path: Path) -> None:
         assert most and min(float(number) for number in most.groups()) > 0.0, outcome.text
 
 
+def test_unsymmetric_material(tmp_path: Path) -> None:
+    """Friction angle 30, no dilation: the tangent has a skew-symmetric part in the whole pattern, and GMRES works on parts of vectors."""
+    deck = bar("*CLOAD\nTIP, 1, 0.005\nTIP, 3, -2.4\n").replace(
+        "*SOLID SECTION", "*DRUCKER PRAGER\n30., 1., 0.\n*DRUCKER PRAGER HARDENING\n20., 0.\n1020., 0.02\n*SOLID SECTION"
+    )
+    serial, *ranks = (run(tmp_path / str(n), deck, n) for n in (0, 2, 4))
+    assert serial.code == 0, serial.text
+    for outcome in ranks:
+        what, worst = difference(serial, outcome)
+        assert what == "" and worst < 1e-7
+        assert "distributed and solved by two-level iteration" in outcome.text and "a factor is used" not in outcome.text
+
+
 @pytest.mark.parametrize(("solver", "name"), [("ITERATIVE SCALING", "two-level iteration"), ("BDDC", "BDDC")])
 def test_whole_stiffness_for_a_factor(tmp_path: Path, solver: str, name: str) -> None:
     """A strut beyond its buckling load: the tangent is not positive definite, the ranks make the divided stiffness whole and take a factor,

@@ -3,8 +3,8 @@
 program test_sparse
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, full_from_upper, sparse_product, sparse_sum, &
-    multiply, multiply_transpose, multiply_symmetric, alike_rows
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_transpose, full_from_upper, rows_of, sparse_product, &
+    sparse_sum, multiply, multiply_transpose, multiply_symmetric, alike_rows
   use check, only: suite_type
   use samples, only: dense_of
   implicit none
@@ -140,6 +140,9 @@ contains
     call random_matrix(n + 3, 2 * n, b, dense_b)
     c = sparse_product(a, b)
     call suite%that('product_of: sorted', is_sorted(c))
+    c = rows_of(a, [n, 1, n])
+    call suite%near('rows_of', maxval(abs(dense_of(c) - dense([n, 1, n], :))), 0.0_DP, 0.0_DP)
+    c = sparse_product(a, b)
     call suite%near('product_of', maxval(abs(dense_of(c) - matmul(dense, dense_b))), 0.0_DP, 1.0e-15_DP * real(n, DP))
   end subroutine test_products
 
