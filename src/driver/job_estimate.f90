@@ -2,8 +2,9 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The job is prepared up to its first linear solve: model, contact at the start, stiffness, ordering, symbolic factorization. The
-!! figures of cost are those by which the program chooses the solver (`solution_cost_type`); times are operations over the speed
-!! of this machine in a product of dense matrices.
+!! figures of cost are those by which the program chooses the solver (`solution_cost_type`). Times of factors are operations over
+!! the speed of this machine in a product of dense matrices, those of iterations products with the stiffness, both measured. On
+!! several ranks the preparation and a part of the preconditioner are repeated, the rest is divided.
 module amontons_job_estimate
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type
@@ -14,6 +15,7 @@ module amontons_job_estimate
   use amontons_steps, only: step_type, SOLVER_GRADIENTS
   use amontons_blas_lapack, only: dgemm
   use amontons_assembly, only: assemble_tangent
+  use amontons_assembly_plan, only: multiply_stiffness
   use amontons_reduced_system, only: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration
   use amontons_schur_interface, only: analyse_bulk
   use amontons_equilibrium, only: equilibrium_type, n_interface_unknowns
@@ -26,6 +28,13 @@ module amontons_job_estimate
 
   real(DP), parameter :: FACTOR_EFFICIENCY = 0.5_DP       !< speed of a factorization over that of a dense product [-] |
                                                           !! doc/performance.md
+  real(DP), parameter :: ITERATION_PRODUCTS = 3.8_DP      !< an iteration over a product with the stiffness [-] | doc/performance.md
+  real(DP), parameter :: PRECONDITIONER_PRODUCTS = 85.0_DP   !< its preconditioner, likewise [-] | doc/performance.md
+  integer, parameter :: LINEAR_ITERATIONS = 60            !< of a solution in a compact body | doc/theory/solver.md
+  integer, parameter :: NEWTON_ITERATIONS = 35            !< of a direction of Newton's method there | doc/performance.md
+  real(DP), parameter :: REPEATED_PRECONDITIONER = 0.5_DP !< its share that each rank repeats [-] | doc/performance.md
+  real(DP), parameter :: RAGGED_BORDER = 1.3_DP           !< nodes on the border of a part over those of a cube as large [-]
+  integer, parameter :: RANKS(4) = [2, 4, 8, 16]          !< numbers of ranks estimated
   integer, parameter :: CONTACT_NONE = 0, CONTACT_DENSE = 1, CONTACT_SKIN = 2, CONTACT_GRADIENTS = 3
 
   !> What a job will take, of its first step.
@@ -39,7 +48,9 @@ module amontons_job_estimate
     logical :: is_linear = .false.                 !< the stiffness is constant and there is no contact
     integer :: n_increments = 0                    !< of the first step if all are as long as the first
     type(solution_cost_type) :: cost
-    real(DP) :: expected_iterations = 0            !< of the iterative solver
+    real(DP) :: expected_iterations = 0            !< of the iterative solver in the choice
+    real(DP) :: n_entries = 0                      !< of the stiffness, upper triangle
+    integer :: min_ranks_shared = 0                !< ranks from which on they share a factor
     real(DP) :: operations_per_entry = 0           !< of a factorization in the time that a solve takes for an entry of the factor
     character(:), allocatable :: reason            !< of an iteration
     real(DP) :: megabytes = 0                      !< peak of the preparation
@@ -47,6 +58,7 @@ module amontons_job_estimate
     real(DP) :: preparation_seconds = 0            !< reading, checks, ordering: processor time taken [s]
     real(DP) :: force_seconds = 0                  !< one evaluation of the forces: taken [s]
     real(DP) :: tangent_seconds = 0                !< one assembly of the stiffness: taken [s]
+    real(DP) :: product_seconds = 0                !< one product with the stiffness: taken [s]
   end type job_estimate_type
 
 contains
@@ -97,19 +109,22 @@ contains
       estimate%n_increments = max(1, nint(min(step%period / max(step%dt_initial, tiny(1.0_DP)), 1.0e9_DP)))
       estimate%expected_iterations = step%controls%linear_solver%expected_iterations
       estimate%operations_per_entry = step%controls%linear_solver%operations_per_factor_entry
+      estimate%min_ranks_shared = step%controls%linear_solver%min_ranks_shared
       estimate%has_matrix = .not. system%is_matrix_free
       if (step%solver == SOLVER_GRADIENTS) estimate%contact_solver = CONTACT_GRADIENTS
     end associate
   end subroutine count_unknowns
 
 
-  !> Evaluates forces and stiffness once, at the start of the first increment.
+  !> Evaluates forces and stiffness once, at the start of the first increment, and times a product: the best of some trials.
   subroutine time_elements(analysis, estimate, error)
     type(analysis_type), intent(inout) :: analysis
     type(job_estimate_type), intent(inout) :: estimate
     type(error_type), allocatable, intent(out) :: error
+    integer, parameter :: N_TRIALS = 3
+    real(DP), allocatable :: u(:), w(:)
     real(DP) :: start, now
-    integer :: failed
+    integer :: failed, trial
     call cpu_time(start)
     call begin_trial(analysis, analysis%stepping%dt, error)
     if (allocated(error)) return
@@ -119,6 +134,16 @@ contains
     call assemble_tangent(analysis%system%assembly, analysis%model, analysis%driven_loads%step%is_nlgeom, analysis%state, failed)
     call cpu_time(start)
     estimate%tangent_seconds = start - now
+    estimate%n_entries = real(size(analysis%system%assembly%stiffness%column), DP)
+    allocate (u(estimate%n_unknowns), source=1.0_DP)
+    allocate (w(estimate%n_unknowns))
+    estimate%product_seconds = huge(1.0_DP)
+    do trial = 1, N_TRIALS
+      call cpu_time(start)
+      call multiply_stiffness(analysis%system%assembly, u, w)
+      call cpu_time(now)
+      estimate%product_seconds = min(estimate%product_seconds, now - start)
+    end do
   end subroutine time_elements
 
 
@@ -198,6 +223,8 @@ contains
       ' s, taken: reading, checks, ordering') // NEWLINE // entry('elements', seconds_text(estimate%force_seconds) // &
       ' s, taken: forces and contact once; stiffness ' // seconds_text(estimate%tangent_seconds) // ' s') // NEWLINE // &
       entry('job', job_words(estimate))
+    if (estimate%has_matrix .and. estimate%n_free > 0 .and. estimate%contact_solver /= CONTACT_GRADIENTS) &
+      text = text // NEWLINE // entry('ranks', ranks_words(estimate))
   end function describe_estimate
 
 
@@ -250,8 +277,9 @@ contains
     type(job_estimate_type), intent(in) :: estimate
     character(:), allocatable :: words
     associate (cost => estimate%cost)
-      words = seconds_text(iteration_seconds(estimate)) // ' s at ' // to_text(nint(estimate%expected_iterations)) // &
-        ' iterations with the making of the preconditioner, ' // to_text(nint(cost%iteration_megabytes)) // ' MB'
+      words = seconds_text(ITERATION_PRODUCTS * estimate%product_seconds) // ' s each, its preconditioner ' // &
+        seconds_text(preconditioner_seconds(estimate)) // ' s, ' // to_text(nint(cost%iteration_megabytes)) // ' MB; some ' // &
+        to_text(n_iterations(estimate)) // ' in a compact body, up to four times as many in a slender or nearly incompressible one'
     end associate
   end function iteration_words
 
@@ -270,7 +298,7 @@ contains
       words = 'factor of the bulk with the interface last, which serves all rounds of contact'
     else if (estimate%contact_solver == CONTACT_SKIN) then
       words = 'factor of the bulk, which fits into memory and serves many Krylov iterations'
-    else if (iteration_seconds(estimate) > factor_seconds(estimate)) then
+    else if (estimate%expected_iterations * estimate%cost%iteration_operations > estimate%cost%factor_operations) then
       words = 'factor: it fits into memory and takes less time'
     else
       words = 'factor: it fits into memory and ' // merge('serves many increments      ', 'the equations are few enough', &
@@ -296,6 +324,77 @@ contains
         ' as long as the first; rounds of contact come on top'
     end if
   end function job_words
+
+
+  !> Time and memory of each of several ranks, as long as each has its own factor or they share the iteration.
+  function ranks_words(estimate) result(words)
+    type(job_estimate_type), intent(in) :: estimate
+    character(:), allocatable :: words
+    integer :: k
+    words = 'for such a Newton iteration:'
+    if (estimate%is_linear) words = 'for the job:'
+    do k = 1, size(RANKS)
+      if (RANKS(k) >= estimate%min_ranks_shared .and. .not. estimate%is_iterative) then
+        words = words // ' from ' // to_text(estimate%min_ranks_shared) // ' ranks on MUMPS may share the factor.'
+        return
+      end if
+      words = words // ' ' // to_text(RANKS(k)) // ' take some ' // seconds_text(seconds_of_ranks(estimate, RANKS(k))) // &
+        ' s and ' // to_text(nint(megabytes_of_rank(estimate, RANKS(k)))) // ' MB each' // merge('.', ';', k == size(RANKS))
+    end do
+  end function ranks_words
+
+
+  !> Whether the ranks divide the iteration and what it needs.
+  pure logical function is_divided(estimate)
+    type(job_estimate_type), intent(in) :: estimate
+    is_divided = estimate%is_iterative .and. estimate%contact_solver == CONTACT_NONE
+  end function is_divided
+
+
+  !> Seconds of a linear job without its files, or of a Newton iteration, on ranks that have a core each.
+  pure real(DP) function seconds_of_ranks(estimate, n_ranks) result(seconds)
+    type(job_estimate_type), intent(in) :: estimate
+    integer, intent(in) :: n_ranks
+    real(DP) :: repeated, divided
+    if (estimate%is_linear) then
+      seconds = linear_job_seconds(estimate)
+      repeated = estimate%preparation_seconds
+    else
+      seconds = estimate%force_seconds + estimate%tangent_seconds + setup_seconds(estimate) + use_seconds(estimate)
+      repeated = 0
+    end if
+    if (is_divided(estimate)) then
+      repeated = repeated + REPEATED_PRECONDITIONER * preconditioner_seconds(estimate)
+    else
+      repeated = repeated + setup_seconds(estimate) + use_seconds(estimate) * &
+        merge(real(estimate%n_increments, DP), 1.0_DP, estimate%is_linear)
+    end if
+    divided = (seconds - repeated) / real(n_ranks, DP)
+    if (is_divided(estimate)) divided = (1.0_DP + halo_share(estimate, n_ranks)) * divided
+    seconds = repeated + divided
+  end function seconds_of_ranks
+
+
+  !> Unknowns of other ranks that a rank needs, over its own: one layer of nodes on as many faces of a cube as others touch.
+  pure real(DP) function halo_share(estimate, n_ranks) result(share)
+    type(job_estimate_type), intent(in) :: estimate
+    integer, intent(in) :: n_ranks
+    share = RAGGED_BORDER * 6.0_DP * (1.0_DP - real(n_ranks, DP)**(-1.0_DP / 3.0_DP)) / &
+      (real(estimate%n_nodes, DP) / real(n_ranks, DP))**(1.0_DP / 3.0_DP)
+  end function halo_share
+
+
+  !> Peak of memory of one of several ranks [megabytes]: the preparation without the stiffness, and the rank's part of stiffness, A,
+  !! A on its domain and preconditioner.
+  pure real(DP) function megabytes_of_rank(estimate, n_ranks) result(megabytes)
+    type(job_estimate_type), intent(in) :: estimate
+    integer, intent(in) :: n_ranks
+    real(DP), parameter :: OF_VALUE = 8.0e-6_DP, OF_ENTRY = 12.0e-6_DP    ! a value; with its column [megabytes]
+    megabytes = chosen_megabytes(estimate)
+    if (is_divided(estimate)) megabytes = estimate%megabytes - OF_VALUE * estimate%n_entries + &
+      (1.0_DP + halo_share(estimate, n_ranks)) / real(n_ranks, DP) * &
+      (3.0_DP * OF_ENTRY * estimate%n_entries + estimate%cost%iteration_megabytes)
+  end function megabytes_of_rank
 
 
   !> Processor seconds of a linear first step without its files.
@@ -340,17 +439,31 @@ contains
   end function solve_seconds
 
 
-  !> The expected iterations [s].
+  !> Iterations of one solution in a compact body.
+  pure integer function n_iterations(estimate)
+    type(job_estimate_type), intent(in) :: estimate
+    n_iterations = merge(LINEAR_ITERATIONS, NEWTON_ITERATIONS, estimate%is_linear)
+  end function n_iterations
+
+
+  !> The preconditioner [s].
+  pure real(DP) function preconditioner_seconds(estimate) result(seconds)
+    type(job_estimate_type), intent(in) :: estimate
+    seconds = PRECONDITIONER_PRODUCTS * estimate%product_seconds
+  end function preconditioner_seconds
+
+
+  !> Its iterations [s].
   pure real(DP) function iteration_seconds(estimate) result(seconds)
     type(job_estimate_type), intent(in) :: estimate
-    seconds = estimate%expected_iterations * estimate%cost%iteration_operations / estimate%speed
+    seconds = real(n_iterations(estimate), DP) * ITERATION_PRODUCTS * estimate%product_seconds
   end function iteration_seconds
 
 
-  !> The chosen factor [s]; that of the preconditioner is among the iterations.
+  !> The chosen factor or the preconditioner [s].
   pure real(DP) function setup_seconds(estimate) result(seconds)
     type(job_estimate_type), intent(in) :: estimate
-    seconds = merge(0.0_DP, factor_seconds(estimate), estimate%is_iterative)
+    seconds = merge(preconditioner_seconds(estimate), factor_seconds(estimate), estimate%is_iterative)
   end function setup_seconds
 
 

@@ -3,6 +3,7 @@
     python -m verify.benchmark.ranks_table [--fixed 26] [--ranks 1 2 4 16 64] [--weak 10] [--weak-ranks 1 2 4 8 16]
     python -m verify.benchmark.ranks_table --speed linear plastic [--edge 54]
     python -m verify.benchmark.ranks_table --shares [--ranks 1 2 4] [--edge 54]
+    python -m verify.benchmark.ranks_table --estimates 24 54 [--ranks 2 4]
     python -m verify.benchmark.ranks_table --solvers [--ranks 1 2 4 8 16] [--edge 16]
     python -m verify.benchmark.ranks_table --plates 80 [--ranks 2 4]
 
@@ -10,11 +11,14 @@ The first command solves a fixed cube of C3D8 on so many ranks, and cubes whose 
 that of one rank times the cube root of the ranks). Iterations and counters are those that the job prints; they do not depend on how
 many cores there are. "Paper" is the halo of a cube of so many unknowns: the nodes of its six faces, three numbers of eight bytes each.
 
-With --speed it takes the elapsed time of one and of two ranks in turns, three times, on a machine with two free cores, and prints
-medians and their ratio: a linear cube, and the same cube with plasticity and NLGEOM in three increments.
+With --speed it takes the elapsed time that the job prints on one and on two ranks in turns, three times, on a machine with two free
+cores, and prints medians and their ratio: a linear cube, and the same cube with plasticity and NLGEOM in three increments.
 
 With --shares it prints what the rank with most takes for the linear cube: processor seconds, in which it may wait for others, and the
 peak of memory (GNU time, apt-get install time). They depend little on what else the machine does.
+
+With --estimates it compares what `amontons --estimate` says of several ranks for linear cubes of so many elements an edge with what
+the job then takes: the peak of memory of the first rank, and elapsed seconds, which need as many free cores.
 
 With --solvers it prints the iterations of the program's own two levels and of PETSc's solvers for a fixed cube of C3D8 and for a bar of
 C3D20, ten times as long as thick and nearly incompressible (nu = 0.49).
@@ -33,7 +37,6 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -89,14 +92,35 @@ def row(folder: Path, edge: int, n_ranks: int) -> str:
     )
 
 
+def whole_job(text: str) -> tuple[float, float]:
+    """Elapsed seconds and peak of memory [MB] that a job prints."""
+    found = re.search(r"the whole job +([\d.]+) +(\d+)", text)
+    assert found, text
+    return float(found[1]), float(found[2])
+
+
+def estimated_ranks(text: str) -> dict[int, tuple[float, float]]:
+    """Seconds and megabytes of each number of ranks in an estimate."""
+    found = re.findall(r"(\d+) take some ([\d.]+) s and (\d+) MB each", text)
+    return {int(n): (float(seconds), float(megabytes)) for n, seconds, megabytes in found}
+
+
+def compare_estimates(folder: Path, edge: int, ranks: Sequence[int]) -> None:
+    """Prints rows of the table."""
+    deck = cube(edge, SOLVER)
+    (folder / "job.inp").write_text(deck)
+    estimate = estimated_ranks(ranks_and_serial.execute(folder, 0, "--estimate").text)
+    for n in ranks:
+        seconds, megabytes = whole_job(checked(folder, deck, n).text)
+        print(f"| {3 * edge * (edge + 1) ** 2} | {n} | {estimate[n][1]:.0f} | {megabytes:.0f} | {estimate[n][0]:.1f} | {seconds:.1f} |", flush=True)
+
+
 def speed(folder: Path, name: str, deck: str) -> str:
     """Elapsed seconds of one and two ranks in turns."""
     seconds: dict[int, list[float]] = {1: [], 2: []}
     for _ in range(N_TURNS):
         for n, times in seconds.items():
-            start = time.monotonic()
-            checked(folder, deck, n)
-            times.append(time.monotonic() - start)
+            times.append(whole_job(checked(folder, deck, n).text)[0])
     one, two = (statistics.median(times) for times in seconds.values())
     return f"| {name} | {one:.1f} | {two:.1f} | {one / two:.2f} |"
 
@@ -148,6 +172,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speed", nargs="*", choices=["linear", "plastic"], default=[])
     parser.add_argument("--edge", type=int, default=54)
     parser.add_argument("--shares", action="store_true")
+    parser.add_argument("--estimates", nargs="*", type=int, default=[])
     parser.add_argument("--solvers", action="store_true")
     parser.add_argument("--plates", type=int, default=0)
     options = parser.parse_args(arguments)
@@ -158,6 +183,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 0
         if options.solvers:
             compare_solvers(folder, options.edge, options.ranks)
+            return 0
+        if options.estimates:
+            print("| unknowns | ranks | MB each: estimate | taken | s: estimate | elapsed |\n|---|---|---|---|---|---|")
+            for edge in options.estimates:
+                compare_estimates(folder, edge, [n for n in options.ranks if n in (2, 4, 8, 16)])
             return 0
         if options.shares:
             print("| ranks | processor s of a rank | peak of a rank, MB |\n|---|---|---|")

@@ -33,6 +33,9 @@ def test_linear_job(run: Run, program: Path, tmp_path: Path, solver: str) -> Non
     assert "contact       none" in text and "1 increment, linear" in text
     choice = figure(text, r"^  choice +(\w+)")
     assert choice == ("iteration" if solver else "factor")
+    ranks = re.search(r"^  ranks +for the job: 2 take some ([\d.]+) s and (\d+) MB each; (.*)$", text, re.M)
+    assert ranks and float(ranks[1]) < float(figure(text, r"^  job +some ([\d.]+) s"))
+    assert ("16 take some" in ranks[3]) == bool(solver) and ("from 4 ranks on MUMPS may share the factor" in text) == (not solver)
     output, _ = run_measured([str(program), "job"], tmp_path)
     assert ("are solved by iteration" in output) == (choice == "iteration")
     assert abs(float(figure(text, r"^  memory +(\d+)")) - peak_megabytes(output)) < 0.2 * peak_megabytes(output) + 10, "10 MB: files and buffers of the output"
@@ -44,7 +47,7 @@ def test_contact(run: Run, tmp_path: Path) -> None:
     text = estimated(run, tmp_path, deck_of(Model(10)))
     assert "121 slave nodes" in text
     assert 3 * 121 < int(figure(text, r"interface of (\d+) unknowns")) <= 3 * (121 + 14 * 14)
-    assert "dense" in text and "factor of the bulk with the interface last" in text
+    assert "dense" in text and "factor of the bulk with the interface last" in text and "ranks         for such a Newton iteration: 2 take" in text
     (tmp_path / "job.inp").unlink()
     text = estimated(run, tmp_path, deck_of(Model(10), interface="SKIN"))
     assert "by the contact skin" in text and re.search(r"^  choice +factor of the bulk, which", text, re.M)

@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 
 from verify.benchmark.estimate_table import cube
+from verify.benchmark.ranks_table import estimated_ranks, whole_job
 from verify.benchmark.wide_contact import Model, deck_of
 from verify.distributed.ranks_and_serial import DIALECT, TOLERANCE, Outcome, all_decks, difference, environment, execute, program, run, with_solver
 from verify.invariance.test_solvers import cantilever
@@ -239,6 +240,19 @@ def test_whole_stiffness_for_a_factor(tmp_path: Path, solver: str, name: str) ->
         assert f"solved by {name}" in outcome.text and "did not converge: a factor is used" in outcome.text
         what, worst = difference(serial, outcome)
         assert what == "" and worst < TOLERANCE
+
+
+def test_estimate(tmp_path: Path) -> None:
+    """The memory of a rank is what the serial program estimates and 20 MB for the libraries of MPI, within a fifth; more ranks need less."""
+    deck = cube(26, ", SOLVER=ITERATIVE SCALING")
+    (tmp_path / "job.inp").write_text(deck)
+    estimate = estimated_ranks(execute(tmp_path, 0, "--estimate").text)
+    assert list(estimate) == [2, 4, 8, 16]
+    for few, more in ((2, 4), (4, 8), (8, 16)):
+        assert estimate[few][0] > estimate[more][0] and estimate[few][1] > estimate[more][1]
+    for n in (2, 4):
+        _, megabytes = whole_job(run(tmp_path / str(n), deck, n).text)
+        assert abs(estimate[n][1] + 20.0 - megabytes) < 0.2 * megabytes, (n, estimate[n][1], megabytes)
 
 
 @pytest.mark.slow
