@@ -27,7 +27,7 @@ uses_matrix_reduction = kinds containers errors sparse
 uses_midside_interpolation = kinds errors sparse
 uses_null_space = kinds dense
 uses_point_partition = kinds
-uses_sparse_null_space = kinds null_space
+uses_sparse_null_space = kinds containers null_space
 uses_two_level_preconditioner = kinds containers errors dense sparse factorization midside_interpolation
 uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 

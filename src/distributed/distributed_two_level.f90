@@ -190,12 +190,12 @@ contains
     real(DP) :: shift
     is_broken = .false.
     if (.not. allocated(self%matrix%value)) allocate (self%matrix%value(size(self%matrix%column)))
-    call take_values(self, matrix)
+    call renew_distributed_matrix(self, matrix)
     call share_matrix(self)
     call factorise_second_level(self%levels, self%matrix, self%n_entries, error, sum_matrix_over_ranks)
     call share_error(error)
     if (allocated(error)) return
-    call take_values(self, matrix)
+    call renew_distributed_matrix(self, matrix)
     call factorise_first_level(self%levels, self%matrix, is_broken)
     shift = -min_over_ranks(-self%levels%shift)
     if (self%levels%shift < shift) call factorise_first_level(self%levels, self%matrix, is_broken, shift)
@@ -203,24 +203,16 @@ contains
   end subroutine update_distributed_two_level
 
 
-  !> New values of A with the preconditioner of earlier ones.
+  !> New values of A on the domain; the preconditioner stays that of earlier ones.
   subroutine renew_distributed_matrix(self, matrix)
     type(distributed_two_level_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix        !< A or the part of this rank, of the pattern divided
-    call take_values(self, matrix)
-  end subroutine renew_distributed_matrix
-
-
-  !> The values of A on the domain.
-  subroutine take_values(self, matrix)
-    type(distributed_two_level_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: matrix
     if (allocated(self%source)) then
       self%matrix%value = matrix%value(self%source)
     else
       call sum_domain(self%parts, matrix, self%matrix)
     end if
-  end subroutine take_values
+  end subroutine renew_distributed_matrix
 
 
   !> This rank's share of A: entries of its own rows count half where both ranks have them, so that the shares sum to A.
@@ -261,7 +253,7 @@ contains
     type(divided_preconditioner_type) :: preconditioner
     real(DP) :: own(self%halo%n_own)
     preconditioner%solver => self
-    call preconditioner%apply(r(self%halo%unknown(:self%halo%n_own)), own)
+    call preconditioner%apply(r(own_unknowns(self)), own)
     call collect(self, own, z)
   end subroutine apply_distributed_two_level
 
@@ -279,7 +271,7 @@ contains
     matrix%solver => self
     preconditioner%solver => self
     own = 0
-    call conjugate_gradients(matrix, preconditioner, b(self%halo%unknown(:self%halo%n_own)), own, options, report)
+    call conjugate_gradients(matrix, preconditioner, b(own_unknowns(self)), own, options, report)
     call collect(self, own, x)
   end subroutine solve_distributed_two_level
 
@@ -308,7 +300,7 @@ contains
     matrix%solver => self
     preconditioner%solver => self
     own = 0
-    call gmres(matrix, preconditioner, b(self%halo%unknown(:self%halo%n_own)), own, options, report, error)
+    call gmres(matrix, preconditioner, b(own_unknowns(self)), own, options, report, error)
     call share_error(error)
     if (.not. allocated(error)) call collect(self, own, x)
   end subroutine solve_distributed_unsymmetric

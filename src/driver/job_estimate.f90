@@ -318,9 +318,8 @@ contains
     else if (estimate%contact_solver == CONTACT_GRADIENTS) then
       words = 'as many evaluations of the forces as it has iterations'
     else
-      words = 'some ' // seconds_text(estimate%force_seconds + estimate%tangent_seconds + setup_seconds(estimate) + &
-        use_seconds(estimate)) // ' s a Newton iteration with a new factor or preconditioner, ' // &
-        to_text(estimate%n_increments) // merge(' increment ', ' increments', estimate%n_increments == 1) // &
+      words = 'some ' // seconds_text(newton_seconds(estimate)) // ' s a Newton iteration with a new factor or preconditioner, ' &
+        // to_text(estimate%n_increments) // merge(' increment ', ' increments', estimate%n_increments == 1) // &
         ' as long as the first; rounds of contact come on top'
     end if
   end function job_words
@@ -360,7 +359,7 @@ contains
       seconds = linear_job_seconds(estimate)
       repeated = estimate%preparation_seconds
     else
-      seconds = estimate%force_seconds + estimate%tangent_seconds + setup_seconds(estimate) + use_seconds(estimate)
+      seconds = newton_seconds(estimate)
       repeated = 0
     end if
     if (is_divided(estimate)) then
@@ -403,6 +402,13 @@ contains
     seconds = estimate%preparation_seconds + estimate%tangent_seconds + setup_seconds(estimate) + &
       real(estimate%n_increments, DP) * (2.0_DP * estimate%force_seconds + use_seconds(estimate))
   end function linear_job_seconds
+
+
+  !> Processor seconds of a Newton iteration with a new factor or preconditioner.
+  pure real(DP) function newton_seconds(estimate) result(seconds)
+    type(job_estimate_type), intent(in) :: estimate
+    seconds = estimate%force_seconds + estimate%tangent_seconds + setup_seconds(estimate) + use_seconds(estimate)
+  end function newton_seconds
 
 
   !> Peak of memory with the chosen solver [megabytes].

@@ -297,7 +297,6 @@ contains
       call write_iteration(analysis%results, analysis%iterations(i), error)
       if (allocated(error)) return
     end do
-    analysis%n_iterations = 0
     do i = first, last
       if (analysis%is_trial .or. analysis%records(i)%is_converged) then   ! the others were written when they failed
         call print_increment(analysis%text_output, analysis%records(i))

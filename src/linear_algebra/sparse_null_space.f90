@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_sparse_null_space
   use amontons_kinds, only: DP
+  use amontons_containers, only: list_groups, owners_of_entries
   use amontons_null_space, only: find_null_vectors
   implicit none
   private
@@ -64,18 +65,20 @@ contains
     real(DP), intent(in) :: value(:)               !< (n_entries)
     type(off_diagonal_type), allocatable, intent(out) :: gram(:)   !< (n_columns)
     real(DP), intent(out) :: diagonal(:)           !< (n_columns)
-    integer :: start(size(diagonal) + 1), entry(size(column)), row_of(size(column))   ! entries by columns, and their rows
+    integer, allocatable :: start(:), entry(:)     ! entries by columns, in the order of the rows
+    integer :: row_of(size(column))
     integer :: found(size(diagonal)), c, r, i, j, n
     real(DP) :: total(size(diagonal))              ! of the present column; 0 between columns
     logical :: is_found(size(diagonal))
-    call sort_by_columns(first, column, start, entry, row_of)
+    call list_groups(column, size(diagonal), start, entry)
+    row_of = owners_of_entries(first)
     allocate (gram(size(diagonal)))
     total = 0.0_DP
     is_found = .false.
     do c = 1, size(diagonal)
       n = 0
       do i = start(c), start(c + 1) - 1
-        r = row_of(i)
+        r = row_of(entry(i))
         do j = first(r), first(r + 1) - 1
           if (.not. is_found(column(j))) then
             n = n + 1
@@ -93,33 +96,6 @@ contains
       is_found(found(:n)) = .false.
     end do
   end subroutine build_gram
-
-
-  !> The entries of each column, in the order of the rows.
-  pure subroutine sort_by_columns(first, column, start, entry, row_of)
-    integer, intent(in) :: first(:)                !< (n_rows + 1)
-    integer, intent(in) :: column(:)               !< (n_entries)
-    integer, intent(out) :: start(:)               !< (n_columns + 1)
-    integer, intent(out) :: entry(:)               !< (n_entries)
-    integer, intent(out) :: row_of(:)              !< (n_entries) of these
-    integer :: next(size(start)), r, i
-    start = 0
-    do i = 1, size(column)
-      start(column(i) + 1) = start(column(i) + 1) + 1
-    end do
-    start(1) = 1
-    do i = 2, size(start)
-      start(i) = start(i) + start(i - 1)
-    end do
-    next = start
-    do r = 1, size(first) - 1
-      do i = first(r), first(r + 1) - 1
-        entry(next(column(i))) = i
-        row_of(next(column(i))) = r
-        next(column(i)) = next(column(i)) + 1
-      end do
-    end do
-  end subroutine sort_by_columns
 
 
   !> Takes columns with strong pivots and few neighbours until the rest is small or has many neighbours.
