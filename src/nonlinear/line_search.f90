@@ -82,14 +82,17 @@ contains
     call classify_slave_nodes(system, step, start, report, verdicts)
     select case (merge(LINE_SEARCH_NONE, step%line_search, step%is_riks))   ! a shorter step would leave the arc
     case (LINE_SEARCH_ALL)
-      call try_length(find_bounded_step_length(start%pair, directional_residual(system, du) - start%pair, controls_of(system, &
-        step)))
+      call try_length(length_over_all())
     case (LINE_SEARCH_GLOBAL)
       call try_length(find_bounded_step_length(sum(verdicts%numerator), sum(verdicts%denominator), controls_of(system, step)))
     case (LINE_SEARCH_NODAL)
       call try_nodal_lengths(system, model, step, start, verdicts, state, report, outcome)
     case (LINE_SEARCH_AUTO)
-      call backtrack(system, model, step, du, start, state, report, outcome)
+      if (any([start%slaves%status, state%new%slaves%status] /= STATUS_OPEN)) then
+        call backtrack(system, model, step, du, start, state, report, outcome)
+      else if (is_minimum_passed(system, model, step, du, start)) then
+        call try_length(length_over_all())
+      end if
     end select
     call note_scenarios(verdicts, state%new%slaves)
     report%n_newly_opened = count(start%slaves%status /= STATUS_OPEN .and. state%new%slaves%status == STATUS_OPEN)
@@ -99,6 +102,11 @@ contains
     report%is_ascent_direction = start%is_merit_comparable .and. start%pair < 0.0_DP
 
   contains
+
+    !> (LS) over all unknowns.
+    pure real(DP) function length_over_all()
+    length_over_all = find_bounded_step_length(start%pair, directional_residual(system, du) - start%pair, controls_of(system, step))
+    end function length_over_all
 
     !> Accepts another length if its merit does not exceed that of the full step.
     subroutine try_length(alpha)
@@ -261,8 +269,26 @@ contains
   end subroutine set_to_stick
 
 
-  !> AUTO: the full step if the merit does not grow, if all slaves are open, or if the contact subproblem is solved and the next
-  !! correction is shorter: in slender bodies bending first causes stretching, which increases the imbalance. Else (LS) over all
+  !> Whether the full step went far beyond the minimum of the energy along d because a material flows: the merit grew, and the slope
+  !! d'R at its end has the other sign and is steeper than at its start. The tangent of a material that flows is too soft for what
+  !! unloads along d, and the residual may grow in the next iterations. If (LS) lies below s_min, the overshoot comes from geometry, as
+  !! the stretching of a slender body that bends, and the next iteration removes it; so it does where nothing flows.
+  pure logical function is_minimum_passed(system, model, step, du, start) result(is_passed)
+    type(equilibrium_type), intent(in) :: system   !< evaluated after the full step
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction d [length]
+    type(search_start_type), intent(in) :: start
+    real(DP) :: slope                              ! d'R(u + d) [energy]
+    slope = directional_residual(system, du)
+    is_passed = any(model%materials%n_history > 0) .and. system%proximal_shift <= 0.0_DP .and. &
+      system%merit > max(MAX_MERIT_GROWTH * start%merit, step%controls%r_n * system%largest_force) .and. &
+      slope < -start%pair .and. start%pair > step%controls%s_min * (start%pair - slope)
+  end function is_minimum_passed
+
+
+  !> AUTO with contact: the full step if the merit does not grow, or if the contact subproblem is solved and the next correction is
+  !! shorter: in slender bodies bending first causes stretching, which increases the imbalance. Else (LS) over all
   !! unknowns, then halves, down to the least length of the line search. The best length is accepted unless it increases the merit
   !! too much.
   subroutine backtrack(system, model, step, du, start, state, report, outcome)
@@ -279,7 +305,6 @@ contains
     outcome = OUTCOME_OK
     if (system%proximal_shift > 0.0_DP .and. system%is_subproblem_solved) return   ! an unsupported body moving to its master: no
     ! contact force yet
-    if (all(start%slaves%status == STATUS_OPEN) .and. all(state%new%slaves%status == STATUS_OPEN)) return   ! no contact
     if (.not. start%is_merit_comparable .or. system%merit <= MAX_MERIT_GROWTH * start%merit) return
     if (system%is_subproblem_solved) then
       if (next_correction_length(system) <= &

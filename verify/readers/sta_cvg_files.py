@@ -24,7 +24,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Iteration:
-    """A row of .cvg: the first columns, which are CalculiX's."""
+    """A row of .cvg: the first columns, which are CalculiX's, and the step length of ours."""
 
     step: int
     increment: int
@@ -33,6 +33,7 @@ class Iteration:
     n_contacts: int
     residual: float  #: of force [percent]
     correction: float  #: of displacement [percent]
+    step_length: float = 1.0  #: of the line search [-]
 
 
 def read_sta(path: Path) -> list[Attempt]:
@@ -44,7 +45,9 @@ def read_sta(path: Path) -> list[Attempt]:
 def read_cvg(path: Path) -> list[Iteration]:
     """All iterations in their order; none if there is no file."""
     rows = _rows(path, r"\s*\d+\s+\d+\s+\d+\s+\d+\s+\d")
-    return [Iteration(*(int(word) for word in w[:5]), float(w[5]), float(w[6])) for w, _ in rows]
+    return [
+        Iteration(*(int(word) for word in w[:5]), float(w[5]), float(w[6]), float(w[19]) if len(w) > 19 else 1.0) for w, _ in rows
+    ]
 
 
 def _rows(path: Path, form: str) -> list[tuple[list[str], bool]]:

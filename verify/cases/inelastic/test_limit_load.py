@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from verify.benchmark.plastic_cube import compressed_cube
 from verify.conftest import Run
 from verify.decks.brackets import Bracket, limit_pressures
-from verify.readers.sta_cvg_files import read_sta
+from verify.readers.sta_cvg_files import read_cvg, read_sta
 
 HARDENING = "300., 0.\n310., 0.2\n"
 
@@ -42,3 +43,12 @@ def test_way_to_the_limit_load(run_deck: Run, tmp_path: Path) -> None:
         assert done.returncode == 0, done.stdout
         failed, iterations = failed_and_iterations(tmp_path)
         assert failed <= most_failed and iterations <= most_iterations, f"{kind}: {failed}, {iterations}"
+
+
+def test_line_search_where_a_cube_yields(run_deck: Run, tmp_path: Path) -> None:
+    """A clamped cube most of which begins to yield in one increment: Newton's third full step passes the minimum of the energy and AUTO
+    shortens it. TYPE=NONE takes eight iterations, and diverges on a finer mesh (verify.benchmark.plastic_cube)."""
+    assert run_deck(compressed_cube(24, 200.0)).returncode == 0
+    iterations = [row for row in read_cvg(tmp_path / "job.cvg") if row.increment == 2]
+    assert len(iterations) == 7
+    assert [row.iteration for row in iterations if row.step_length < 1] == [3]

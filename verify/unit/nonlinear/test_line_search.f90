@@ -18,6 +18,7 @@ program test_line_search
   integer, parameter :: ALL_MODES(5) = [LINE_SEARCH_NONE, LINE_SEARCH_ALL, LINE_SEARCH_GLOBAL, LINE_SEARCH_NODAL, LINE_SEARCH_AUTO]
   call check_linear_direction(suite)
   call check_lengths(suite)
+  call check_overshoot_by_flow(suite)
   call check_missing_displacements(suite)
   call check_inverted_elements(suite)
   call check_counts(suite)
@@ -97,6 +98,30 @@ contains
     call perform_line_search(system, model, step, -du, state%new%slaves, state, report, outcome)
     call suite%that('against the imbalance', report%is_ascent_direction)
   end subroutine check_lengths
+
+
+  !> AUTO without contact: where a material has history, (LS) shortens a step that passed the minimum of the energy by more than its
+  !! way to it; not if (LS) is below s_min, and never where nothing flows.
+  subroutine check_overshoot_by_flow(suite)
+    type(suite_type), intent(inout) :: suite
+    type(model_type) :: model
+    type(step_type) :: step
+    type(equilibrium_type), allocatable :: system
+    type(state_type) :: state
+    type(line_search_report_type) :: report
+    real(DP), allocatable :: du(:, :)
+    real(DP), parameter :: FACTORS(4) = [1.9_DP, 2.5_DP, 3.9_DP, 4.1_DP]
+    real(DP), parameter :: LENGTHS(4) = [1.0_DP, 1.0_DP / 2.5_DP, 1.0_DP / 3.9_DP, 1.0_DP]
+    integer :: i, n_history, outcome
+    do n_history = 0, 1
+      do i = 1, 4
+        call disturb(model, step, system, state, du)
+        model%materials%n_history = n_history
+        call perform_line_search(system, model, step, FACTORS(i) * du, state%new%slaves, state, report, outcome)
+        call suite%near('overshoot: length', report%step_length, merge(LENGTHS(i), 1.0_DP, n_history > 0), 1.0e-9_DP)
+      end do
+    end do
+  end subroutine check_overshoot_by_flow
 
 
   !> While prescribed displacements are incomplete, merits cannot be compared: the full step is taken, and completes them.
