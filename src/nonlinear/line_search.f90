@@ -271,8 +271,8 @@ contains
 
   !> Whether the full step went far beyond the minimum of the energy along d because a material flows: the merit grew, and the slope
   !! d'R at its end has the other sign and is steeper than at its start. The tangent of a material that flows is too soft for what
-  !! unloads along d, and the residual may grow in the next iterations. If (LS) lies below s_min, the overshoot comes from geometry, as
-  !! the stretching of a slender body that bends, and the next iteration removes it; so it does where nothing flows.
+  !! unloads along d, and the residual may grow in the next iterations. If (LS) lies below s_min, the overshoot comes from geometry,
+  !! e.g. the stretching of a slender body that bends, and the next iteration removes it; so it does where nothing flows.
   pure logical function is_minimum_passed(system, model, step, du, start) result(is_passed)
     type(equilibrium_type), intent(in) :: system   !< evaluated after the full step
     type(model_type), intent(in) :: model
