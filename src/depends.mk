@@ -157,7 +157,7 @@ uses_user_state = kinds errors tensor element_kinds loads user_routines material
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse element_kinds shape_functions
 uses_assembly_plan = kinds containers errors sparse graph_partition point_partition mpi_ranks element_kinds mesh hex8_simd unsymmetric_tangent
-uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model element hex8_simd state user_state unsymmetric_tangent assembly_plan
+uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model truss_spring_mass element hex8_simd state user_state unsymmetric_tangent assembly_plan
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly_plan assembly
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads
 uses_stabilization = kinds sparse mesh steps model elasticity state

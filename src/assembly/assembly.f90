@@ -5,7 +5,8 @@
 !! it is divided. Values at integration points stay with their rank until `share_points`.
 module amontons_assembly
   use amontons_kinds, only: DP
-  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, MAX_ELEMENT_NODES
+  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
+    KIND_GAPUNI, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_materials, only: MAX_HISTORY
   use amontons_model, only: model_type, is_out, material_in_step, has_unsymmetric_elements
@@ -16,12 +17,14 @@ module amontons_assembly
   use amontons_assembly_plan, only: assembly_type, ensure_matrix, is_own_element, add_row_block
   use amontons_hex8_simd, only: batch_type, is_batch_kind, set_batch_lane, &
     evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
+  use amontons_truss_spring_mass, only: spring_energy
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
   use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields
   implicit none
   private
-  public :: share_points, assemble_forces, assemble_tangent, assemble_nodal_stiffness, element_material
+  public :: share_points, assemble_forces, assemble_tangent, assemble_nodal_stiffness, element_material, sum_spring_energies
 
+  integer, parameter :: SPRING_KINDS(4) = [KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI]
   integer, parameter :: MIN_BATCH_ELEMENTS = 3                       !< for fewer elements a batch is not worth its empty lanes
 
 contains
@@ -273,6 +276,26 @@ contains
       end do
     end associate
   end subroutine add_element_forces
+
+
+  !> The energy of all springs and gaps at the new displacements [energy].
+  real(DP) function sum_spring_energies(model, is_nlgeom, state) result(energy)
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: is_nlgeom
+    type(state_type), intent(in) :: state
+    type(integration_points_type) :: points
+    real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
+    integer :: e, n
+    energy = 0
+    do e = 1, model%mesh%n_elements
+      if (all(SPRING_KINDS /= model%mesh%kind(e))) cycle
+      if (is_out(model, state%new%step, e)) cycle
+      n = model%mesh%first(e + 1) - model%mesh%first(e)
+      call load_points(model, state, e, points)
+      call set_element_configuration(model%mesh, e, state%new, X, u)
+      energy = energy + spring_energy(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, points)
+    end do
+  end function sum_spring_energies
 
 
   !> Sets the stress of an inactive element to zero.

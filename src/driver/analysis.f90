@@ -15,7 +15,7 @@ module amontons_analysis
   use amontons_version, only: VERSION
   use amontons_distributed_two_level, only: compare_messages, describe_messages
   use amontons_mpi_ranks, only: n_ranks, min_over_ranks, share_error, check_agreement
-  use amontons_assembly, only: share_points
+  use amontons_assembly, only: share_points, sum_spring_energies
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
@@ -680,7 +680,8 @@ contains
     real(DP) :: start_share                        ! of the forces at the start in the work: half, but none for backward Euler [-]
     integer :: s
     call accumulate_slip(state%old, state%new)
-    state%new%strain_energy = sum(state%new%energy * state%new%volume) + user_strain_energy(model, state%new)
+    state%new%strain_energy = sum(state%new%energy * state%new%volume) + user_strain_energy(model, state%new) &
+      + sum_spring_energies(model, step%is_nlgeom, state)
     start_share = merge(0.0_DP, 0.5_DP, step%is_dynamic)
     associate (old => state%old, new => state%new, is_abstract => model%mesh%is_auxiliary)
       call add_inelastic_work(model, old, new)

@@ -19,7 +19,7 @@ module amontons_truss_spring_mass
   use amontons_element_kinds, only: KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
-  public :: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, evaluate_spring_element
+  public :: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, evaluate_spring_element, spring_energy
 
 contains
 
@@ -226,6 +226,30 @@ contains
   end subroutine evaluate_spring_element
 
 
+  !> Energy of a spring: the integral of its tension over its elongation [energy].
+  pure real(DP) function spring_energy(kind, X, u, is_nlgeom, points) result(energy)
+    integer, intent(in) :: kind                    !< KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates, of a configuration that was evaluated [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
+    logical, intent(in) :: is_nlgeom
+    type(integration_points_type), intent(in) :: points        !< section is the spring constant [force/length], if there is no law
+    real(DP) :: row(6), elongation
+    integer :: n
+    n = size(X, 2)
+    if (kind == KIND_SPRINGA) then
+      elongation = axial_elongation(X, u, is_nlgeom)
+    else
+      row = find_elongation_row(kind, X, points)
+      elongation = dot_product(row(:3 * n), [u])
+    end if
+    if (allocated(points%spring)) then
+      energy = spring_law_energy(points%spring, elongation, sum(points%temperature(:n)) / real(n, DP))
+    else
+      energy = 0.5_DP * points%section_value * elongation**2
+    end if
+  end function spring_energy
+
+
   !> Tension and its derivative: by the law if there is one, else by the constant.
   pure subroutine evaluate_tension(points, n, elongation, tension, slope)
     type(integration_points_type), intent(in) :: points
@@ -286,12 +310,10 @@ contains
       now = norm2(line + change)
       status = ELEMENT_INVERTED
       if (.not. now > 0) return
-      call evaluate_tension(points, 2, dot_product(change, 2 * line + change) / (now + length), tension, slope)
-      line = line + change
-    else
-      call evaluate_tension(points, 2, dot_product(line, change) / length, tension, slope)
     end if
+    call evaluate_tension(points, 2, axial_elongation(X, u, is_nlgeom), tension, slope)
     status = ELEMENT_OK
+    if (is_nlgeom) line = line + change
     line = line / now
     force(:, 1) = -tension * line
     force(:, 2) = tension * line
@@ -300,6 +322,21 @@ contains
     stiffness(:6, :6) = 0
     call add_truss_stiffness(2, 1.0_DP, tension / now, slope - tension / now, line, ENDS, stiffness)
   end subroutine evaluate_axial_spring
+
+
+  !> Change of the distance of two nodes, without cancellation [length].
+  pure real(DP) function axial_elongation(X, u, is_nlgeom)
+    real(DP), intent(in) :: X(:, :), u(:, :)       !< (3, 2) [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP) :: line(3), change(3)
+    line = X(:, 2) - X(:, 1)
+    change = u(:, 2) - u(:, 1)
+    if (is_nlgeom) then
+      axial_elongation = dot_product(change, 2 * line + change) / (norm2(line + change) + norm2(line))
+    else
+      axial_elongation = dot_product(line, change) / norm2(line)
+    end if
+  end function axial_elongation
 
 
   !> Tension of a spring and its derivative.
@@ -330,6 +367,58 @@ contains
       slope = constant(1)
     end if
   end subroutine evaluate_spring_law
+
+
+  !> Integral of the tension of evaluate_spring_law from zero to an elongation [energy].
+  pure real(DP) function spring_law_energy(spring, elongation, temperature) result(energy)
+    type(spring_type), intent(in) :: spring
+    real(DP), intent(in) :: elongation           !< [length]
+    real(DP), intent(in) :: temperature          !< [temperature]
+    real(DP) :: constant(1), s
+    integer :: i
+    if (spring%is_gap) then
+      energy = gap_energy(-spring%clearance - elongation) - gap_energy(-spring%clearance)
+    else if (spring%is_distance_limit) then
+      energy = 0.5_DP * spring%stiffness * (max(elongation - spring%clearance, 0.0_DP)**2 - max(-spring%clearance, 0.0_DP)**2)
+    else if (allocated(spring%force)) then
+      call find_interval(spring%force%temperature, temperature, i, s)
+      energy = area_under(spring%force(i), elongation)
+      if (s > 0) energy = energy + s * (area_under(spring%force(i + 1), elongation) - energy)
+    else
+      call evaluate_table(spring%constant, temperature, constant)
+      energy = 0.5_DP * constant(1) * elongation**2
+    end if
+
+  contains
+
+    !> Of a gap, as a function of its overclosure.
+    pure real(DP) function gap_energy(d)
+      real(DP), intent(in) :: d                  !< [length]
+      real(DP) :: eps
+      eps = PI * spring%open_force / spring%stiffness
+      gap_energy = spring%stiffness * (0.25_DP * d**2 + 0.5_DP * ((d**2 + eps**2) * atan2(d, eps) - eps * d) / PI)
+    end function gap_energy
+
+    !> Of a table: trapezoids between zero, its corners and the elongation.
+    pure real(DP) function area_under(table, elongation) result(area)
+      type(hardening_curve_type), intent(in) :: table
+      real(DP), intent(in) :: elongation         !< [length]
+      real(DP), allocatable :: corners(:)
+      real(DP) :: f, next, unused
+      integer :: k
+      corners = pack(table%strain, table%strain > min(0.0_DP, elongation) .and. table%strain < max(0.0_DP, elongation))
+      corners = [min(0.0_DP, elongation), corners, max(0.0_DP, elongation)]
+      area = 0
+      call evaluate_curve(table, corners(1), f, unused)
+      do k = 2, size(corners)
+        call evaluate_curve(table, corners(k), next, unused)
+        area = area + 0.5_DP * (f + next) * (corners(k) - corners(k - 1))
+        f = next
+      end do
+      if (elongation < 0) area = -area
+    end function area_under
+
+  end function spring_law_energy
 
 
   !> Force and slope by tables, linear in between and constant outside, also over the temperature.

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import h5py
 import pytest
 
 from verify.conftest import Run
@@ -94,6 +95,11 @@ def test_block_on_block(run_deck: Run, tmp_path: Path, supports: str, dialect: s
         assert result[2][2] == pytest.approx(force, rel=EQUAL)
     assert "General contact: 1 pair of 2 meshed bodies: slave UPPER" in said
     assert "acts by a penalty" in said and "Swap slave and master" not in said, "the master is rigid, too"
+    assert "snapped" not in said, "the springs take the work"
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        stored = file["AMONTONS/history/strain_energy"][-1]
+    lower = force**2 / FOOT if supports == ON_SPRING else 0.0
+    assert stored == pytest.approx(0.5 * ((LOAD - force) ** 2 / SPRING + lower), rel=EQUAL)
 
 
 def test_friction(run_deck: Run, tmp_path: Path) -> None:
