@@ -24,8 +24,8 @@ module amontons_newton_step
   use amontons_contact_preconditioner, only: partition_skin, build_skin_coarse_space, update_skin
   use amontons_free_rigid_motions, only: sparse_vector_type, find_motions, motion_of, compressed, is_singular_along
   use amontons_robin_springs, only: find_near, robin_springs, skin_rows, master_shares, following_motion
-  use amontons_schur_interface, only: is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, &
-    factorise_woodbury
+  use amontons_schur_interface, only: is_analysis_valid, is_factor_of, analyse_bulk, factorise_bulk, &
+    factorise_interface, factorise_woodbury
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: current_row
   use amontons_constraints, only: eliminate_constraints, scale_offsets
@@ -92,7 +92,7 @@ contains
     system%is_first_direction = .false.
     call solve_constrained_system(system, allowed_residual, du, outcome, error)
     if (allocated(error)) return
-    if (outcome == OUTCOME_LINEAR_SOLVER .and. system%is_skin .and. .not. system%skin%is_ready) then
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. is_interface_discarded(system)) then
       call solve_newton_step(system, model, step, state, du, outcome, error, d_load)
       return
     end if
@@ -162,8 +162,16 @@ contains
   end function sets_origins
 
 
+  !> Whether the solver of the interface served the last direction and has been discarded: a new one gives the direction.
+  pure logical function is_interface_discarded(system) result(is_discarded)
+    type(equilibrium_type), intent(in) :: system
+    is_discarded = system%has_interface_solver
+    if (is_discarded) is_discarded = .not. merge(system%skin%is_ready, system%schur_interface%is_ready, system%is_skin)
+  end function is_interface_discarded
+
+
   !> The direction from a configuration of the linearised model, with the present tangent of the bulk.
-  subroutine solve_correction(system, model, step, state, offset_fraction, du, outcome, error, d_load)
+  recursive subroutine solve_correction(system, model, step, state, offset_fraction, du, outcome, error, d_load)
     type(equilibrium_type), intent(inout), target :: system
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -192,6 +200,10 @@ contains
     if (system%is_skin) allowed_residual = 0.5_DP * skin_merit_tolerance(system, step)
     call solve_constrained_system(system, allowed_residual, du, outcome, error)
     if (allocated(error)) return
+    if (outcome == OUTCOME_LINEAR_SOLVER .and. .not. system%is_skin .and. is_interface_discarded(system)) then
+      call solve_correction(system, model, step, state, offset_fraction, du, outcome, error, d_load)
+      return
+    end if
     if (step%is_riks .and. outcome == OUTCOME_OK .and. present(d_load)) call follow_path(system, step, state, du, d_load, outcome, &
       error)
     call system%clock%read(PHASE_KRYLOV)
@@ -441,6 +453,10 @@ contains
       return
     end if
     if (.not. system%is_schur_allowed .or. system%reduced_system%is_iterative) return
+    if (system%schur_interface%is_ready) then
+      system%is_bulk_factor_current = system%is_bulk_factor_current .and. is_factor_of(system%schur_interface, system%base)
+      if (.not. is_analysis_valid(system%schur_interface, system%base)) call discard_bulk_factor(system)
+    end if
     do attempt = 1, 2
       call ensure_bulk_factor(system, model, step, state, .false., error)
       if (allocated(error) .or. .not. system%schur_interface%is_ready) return

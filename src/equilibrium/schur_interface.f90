@@ -25,12 +25,12 @@ module amontons_schur_interface
   use amontons_graph_partition, only: order_unknowns
   use amontons_factorization, only: cholesky_type, analyse, factorise, elimination_order, trailing_block, solve_forward, &
     solve_backward, FACTOR_OK
-  use amontons_controls, only: krylov_controls_type
+  use amontons_controls, only: krylov_controls_type, linear_solver_controls_type
   use amontons_constraints, only: constraints_type
   implicit none
   private
-  public :: schur_interface_type, is_analysis_valid, analyse_bulk, factorise_bulk, factorise_interface, factorise_woodbury, &
-    apply_schur_interface
+  public :: schur_interface_type, is_analysis_valid, is_factor_of, iterations_worth_factor, analyse_bulk, factorise_bulk, &
+    factorise_interface, factorise_woodbury, apply_schur_interface
 
   integer, parameter :: N_COLUMNS_TOGETHER = 8                  !< columns of J_c computed together: a vector of doubles [-]
 
@@ -38,6 +38,7 @@ module amontons_schur_interface
   type :: schur_interface_type
     logical :: is_analysed = .false.
     type(sparse_type), private :: analysed_map     !< C_b whose pattern was analysed
+    type(sparse_type), private :: factorised_map   !< C_b of the factor
     logical :: is_ready = .false.                  !< the bulk is factorized
     integer :: n_contact = 0                       !< unknowns of the interface
     integer, allocatable :: interface_index(:)          !< (n base free) index in the interface, 0 if not on it
@@ -74,6 +75,26 @@ contains
     is_analysed = self%is_analysed
     if (is_analysed) is_analysed = is_same_pattern(base%transformation, self%analysed_map)
   end function is_analysis_valid
+
+
+  !> Whether the factor is of a bulk with these constraints: knots and rigid bodies that rotate change C_b.
+  pure logical function is_factor_of(self, base) result(is_same)
+    type(schur_interface_type), intent(in) :: self !< with a factor
+    type(constraints_type), intent(in) :: base     !< finished
+    is_same = is_same_pattern(base%transformation, self%factorised_map)
+    if (is_same) is_same = all(base%transformation%value == self%factorised_map%value)
+  end function is_factor_of
+
+
+  !> Krylov iterations that take as long as a share of the work of a new factor; 0 before the analysis. Source: operations and
+  !! entries of the factor.
+  pure integer function iterations_worth_factor(self, controls) result(n)
+    type(schur_interface_type), intent(in) :: self
+    type(linear_solver_controls_type), intent(in) :: controls
+    n = 0
+    if (self%is_analysed) n = int(controls%old_factor_work_ratio * self%factor%n_operations / &
+      (controls%operations_per_factor_entry * self%factor%n_entries))
+  end function iterations_worth_factor
 
 
   !> Orders the bulk with the interface last and analyses it. After: is_analysed, .false. if the interface is not last.
@@ -207,6 +228,7 @@ contains
     call check_memory(memory_status, error)
     if (allocated(error)) return
     call trailing_block(self%factor, self%triangle)
+    self%factorised_map = base%transformation
     do i = 1, n
       if (self%interface_index(i) > 0) self%shift(self%interface_index(i)) = shift(i)
     end do

@@ -13,7 +13,7 @@ module amontons_tangent_solution
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced_system, only: apply_reduced_inverse, iterate_reduced_system, iterate_unsymmetric
   use amontons_contact_preconditioner, only: apply_bulk, apply_coarse_space, apply_tiles, subtract_contact
-  use amontons_schur_interface, only: apply_schur_interface
+  use amontons_schur_interface, only: apply_schur_interface, iterations_worth_factor
   use amontons_distributed_solver, only: DISTRIBUTED_TWO_LEVEL
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
@@ -61,7 +61,7 @@ contains
     flat = system%constraints%offset
     call right_hand_side(system, flat, b)
     if (system%constraints%n_free > 0) then
-      call run_krylov(system, allowed_residual, b, v, outcome, error)
+      call run_krylov(system, allowed_residual, .true., b, v, outcome, error)
       if (allocated(error)) return
       call multiply(system%constraints%transformation, v, start)
       flat = flat + start
@@ -87,7 +87,7 @@ contains
       if (allocated(system%reference_offset)) du_load = system%reference_offset
       call reference_side(system, du_load, b)
       if (n_free > 0) then
-        call run_krylov(system, 0.0_DP, b, v, outcome, error)
+        call run_krylov(system, 0.0_DP, .false., b, v, outcome, error)
         if (allocated(error) .or. outcome /= OUTCOME_OK) return
         call multiply(system%constraints%transformation, v, free_part)
         du_load = du_load + free_part
@@ -118,10 +118,12 @@ contains
   end subroutine reference_side
 
 
-  !> Solves J v = b by conjugate gradients where J = A and A is not factorised, else by GMRES.
-  subroutine run_krylov(system, allowed_residual, b, v, outcome, error)
+  !> Solves J v = b by conjugate gradients where J = A and A is not factorised, else by GMRES. After: OUTCOME_LINEAR_SOLVER and no
+  !! factor of the bulk if may_renew and the present one, of an earlier bulk, costs more than a new one.
+  subroutine run_krylov(system, allowed_residual, may_renew, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
+    logical, intent(in) :: may_renew               !< the caller repeats the direction where the interface was discarded
     real(DP), intent(in) :: b(:)                   !< (n_free) [force]
     real(DP), intent(inout) :: v(:)                !< (n_free) [length]
     integer, intent(out) :: outcome
@@ -131,6 +133,7 @@ contains
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
     logical :: is_iterative, is_symmetric
+    logical :: is_renewable                        ! another factor of the bulk is a better preconditioner
     logical :: is_divided                          ! vectors of GMRES, over the ranks
     outcome = OUTCOME_OK
     is_iterative = system%reduced_system%is_iterative .and. .not. system%has_interface_solver
@@ -151,6 +154,9 @@ contains
     if (has_unsymmetric_law(system%assembly%skew) .and. .not. is_iterative) &
       options%max_iterations = system%controls%krylov%max_unsymmetric_iterations
     if (system%max_old_iterations > 0) options%max_iterations = system%max_old_iterations
+    is_renewable = system%has_interface_solver .and. .not. system%is_bulk_factor_current
+    if (is_renewable .and. may_renew) options%max_iterations = min(options%max_iterations, max( &
+      system%controls%krylov%max_stale_iterations, iterations_worth_factor(system%schur_interface, system%controls%linear_solver)))
     if (is_iterative .and. size(system%contact_tangents) == 0 .and. .not. system%is_constant) then
       options%energy_tolerance = min(system%forcing_term, system%controls%linear_solver%energy_tolerance)
     else if (system%max_old_iterations > 0) then
@@ -179,10 +185,9 @@ contains
     end if
     system%n_krylov = system%n_krylov + report%n_iterations
     if (system%reduced_system%is_current) system%reduced_system%n_new_iterations = report%n_iterations
-    if (system%has_interface_solver .and. report%n_iterations > system%controls%krylov%max_stale_iterations &
-      .and. .not. system%is_bulk_factor_current) call discard_bulk_factor(system)
+    if (is_renewable) call renew_interface(system, report)
     if (report%status == KRYLOV_CONVERGED) return
-    if (system%max_old_iterations > 0) outcome = OUTCOME_LINEAR_SOLVER
+    if (system%max_old_iterations > 0 .or. (is_renewable .and. may_renew)) outcome = OUTCOME_LINEAR_SOLVER
     if (outcome /= OUTCOME_OK) return
     if (report%status == KRYLOV_STAGNATED) then
       if (is_at_rounding_level(system, report%residual * norm2(b), v)) return
@@ -191,6 +196,15 @@ contains
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
     if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
   end subroutine run_krylov
+
+
+  !> After a slow solve with the factor of an earlier bulk the next direction takes a new one.
+  subroutine renew_interface(system, report)
+    type(equilibrium_type), intent(inout) :: system
+    type(krylov_report_type), intent(in) :: report !< of a direction
+    if (report%status == KRYLOV_CONVERGED .and. report%n_iterations <= system%controls%krylov%max_stale_iterations) return
+    call discard_bulk_factor(system)
+  end subroutine renew_interface
 
 
   !> A direction that descends where A is not positive: conjugate gradients on A with the shifted factor as preconditioner, as far
