@@ -229,7 +229,7 @@ contains
   !> Energy of a spring: the integral of its tension over its elongation [energy].
   pure real(DP) function spring_energy(kind, X, u, is_nlgeom, points) result(energy)
     integer, intent(in) :: kind                    !< KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI
-    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates, of a configuration that was evaluated [length]
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates, evaluated before [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom
     type(integration_points_type), intent(in) :: points        !< section is the spring constant [force/length], if there is no law
