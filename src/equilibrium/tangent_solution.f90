@@ -13,7 +13,7 @@ module amontons_tangent_solution
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
   use amontons_reduced_system, only: apply_reduced_inverse, iterate_reduced_system, iterate_unsymmetric
   use amontons_contact_preconditioner, only: apply_bulk, apply_coarse_space, apply_tiles, subtract_contact
-  use amontons_schur_interface, only: apply_schur_interface, iterations_worth_factor
+  use amontons_schur_interface, only: apply_schur_interface, is_factor_of, iterations_worth_factor
   use amontons_distributed_solver, only: DISTRIBUTED_TWO_LEVEL
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, gmres, &
     conjugate_gradients, KRYLOV_CONVERGED, KRYLOV_STAGNATED
@@ -119,7 +119,7 @@ contains
 
 
   !> Solves J v = b by conjugate gradients where J = A and A is not factorised, else by GMRES. After: OUTCOME_LINEAR_SOLVER and no
-  !! factor of the bulk if may_renew and the present one, of an earlier bulk, costs more than a new one.
+  !! factor of the bulk if may_renew and the present one, of other equations, costs more than a new one.
   subroutine run_krylov(system, allowed_residual, may_renew, b, v, outcome, error)
     type(equilibrium_type), intent(inout), target :: system
     real(DP), intent(in) :: allowed_residual                  !< residual that is small enough [force]
@@ -133,7 +133,8 @@ contains
     type(krylov_options_type) :: options
     type(krylov_report_type) :: report
     logical :: is_iterative, is_symmetric
-    logical :: is_renewable                        ! another factor of the bulk is a better preconditioner
+    logical :: is_outdated                         ! the factor is of an earlier bulk
+    logical :: is_renewable                        ! and of other equations, so that a new one is a much better preconditioner
     logical :: is_divided                          ! vectors of GMRES, over the ranks
     outcome = OUTCOME_OK
     is_iterative = system%reduced_system%is_iterative .and. .not. system%has_interface_solver
@@ -154,8 +155,10 @@ contains
     if (has_unsymmetric_law(system%assembly%skew) .and. .not. is_iterative) &
       options%max_iterations = system%controls%krylov%max_unsymmetric_iterations
     if (system%max_old_iterations > 0) options%max_iterations = system%max_old_iterations
-    is_renewable = system%has_interface_solver .and. .not. system%is_bulk_factor_current
-    if (is_renewable .and. may_renew) options%max_iterations = min(options%max_iterations, max( &
+    is_outdated = system%has_interface_solver .and. .not. system%is_bulk_factor_current
+    is_renewable = is_outdated .and. may_renew
+    if (is_renewable) is_renewable = .not. is_factor_of(system%schur_interface, system%base)
+    if (is_renewable) options%max_iterations = min(options%max_iterations, max( &
       system%controls%krylov%max_stale_iterations, iterations_worth_factor(system%schur_interface, system%controls%linear_solver)))
     if (is_iterative .and. size(system%contact_tangents) == 0 .and. .not. system%is_constant) then
       options%energy_tolerance = min(system%forcing_term, system%controls%linear_solver%energy_tolerance)
@@ -185,9 +188,10 @@ contains
     end if
     system%n_krylov = system%n_krylov + report%n_iterations
     if (system%reduced_system%is_current) system%reduced_system%n_new_iterations = report%n_iterations
-    if (is_renewable) call renew_interface(system, report)
+    if (is_outdated .and. (report%n_iterations > system%controls%krylov%max_stale_iterations .or. &
+      (is_renewable .and. report%status /= KRYLOV_CONVERGED))) call discard_bulk_factor(system)
     if (report%status == KRYLOV_CONVERGED) return
-    if (system%max_old_iterations > 0 .or. (is_renewable .and. may_renew)) outcome = OUTCOME_LINEAR_SOLVER
+    if (system%max_old_iterations > 0 .or. is_renewable) outcome = OUTCOME_LINEAR_SOLVER
     if (outcome /= OUTCOME_OK) return
     if (report%status == KRYLOV_STAGNATED) then
       if (is_at_rounding_level(system, report%residual * norm2(b), v)) return
@@ -196,15 +200,6 @@ contains
     if (is_iterative) outcome = OUTCOME_LINEAR_SOLVER
     if (.not. is_iterative) call solve_by_umfpack(system, b, v, outcome, error)
   end subroutine run_krylov
-
-
-  !> After a slow solve with the factor of an earlier bulk the next direction takes a new one.
-  subroutine renew_interface(system, report)
-    type(equilibrium_type), intent(inout) :: system
-    type(krylov_report_type), intent(in) :: report !< of a direction
-    if (report%status == KRYLOV_CONVERGED .and. report%n_iterations <= system%controls%krylov%max_stale_iterations) return
-    call discard_bulk_factor(system)
-  end subroutine renew_interface
 
 
   !> A direction that descends where A is not positive: conjugate gradients on A with the shifted factor as preconditioner, as far
