@@ -41,13 +41,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from verify.benchmark.estimate_table import cube
-from verify.benchmark.plastic_cube import compressed_cube
+from verify.benchmark.plastic_cube import SOLVER, compressed_cube
 from verify.benchmark.wide_contact import Model, deck_of
 from verify.distributed import ranks_and_serial
 from verify.distributed.ranks_and_serial import Outcome, difference, run, with_solver
 from verify.invariance.test_solvers import cantilever
 
-SOLVER = ", SOLVER=ITERATIVE SCALING"
 TIME_LIMIT = 3600.0  #: of a job [s]
 HEAD = (
     "| ranks | unknowns | iterations | unknowns of a rank | halo | neighbours | messages an iteration | kB an iteration | kB a product | paper | coarse |\n"
