@@ -115,7 +115,7 @@ contains
 
 
   !> The displacement of the node is the mean of those of its director; that of an axisymmetric shell stays in the plane. Where it
-  !! is prescribed the inner nodes of the director are held between the outer ones.
+  !! is prescribed the inner nodes of the director are held between the outer ones (held_inner_from).
   subroutine add_tie(model, director, equations, n)
     type(model_type), intent(in) :: model
     type(director_type), intent(in) :: director
@@ -124,7 +124,7 @@ contains
     integer, parameter :: BESIDE(2, 5:8) = reshape([1, 2, 2, 3, 3, 4, 4, 1], [2, 4])   !< corners beside the side of a cross-section
     real(DP) :: weight(size(director%nodes))
     logical :: is_used(size(director%nodes))
-    integer :: nodes(3), k, i
+    integer :: nodes(3), k, i, first_step
     real(DP) :: share
     weight = mean_weights(director, model%dialect == DIALECT_CALCULIX)
     is_used = abs(weight) > 0
@@ -133,7 +133,8 @@ contains
         n = n + 1
         equations(n) = new_equation([director%node, pack(director%nodes, is_used)], spread(k, 1, 1 + count(is_used)), &
           [1.0_DP, -pack(weight, is_used)], section%card, section%line)
-        if (model%structure%held_from(k, director%node) == 0) cycle
+        first_step = held_inner_from(model, director, k)
+        if (first_step == 0) cycle
         do i = director%n_outer + 1, size(director%nodes)
           n = n + 1
           if (director%n_outer == 2) then
@@ -144,11 +145,29 @@ contains
             share = 0.5_DP
           end if
           equations(n) = new_equation(nodes, [k, k, k], [1.0_DP, share - 1, -share], section%card, section%line)
-          equations(n)%first_step = model%structure%held_from(k, director%node)
+          equations(n)%first_step = first_step
         end do
       end do
     end associate
   end subroutine add_tie
+
+
+  !> The first step from which the inner nodes of a director are held between the outer ones along direction k; 0: never.
+  !!
+  !! That in which this displacement of the node is prescribed. Under the calculix dialect a prescribed rotation of a cross-section
+  !! holds them along all directions too, as CalculiX does (found by experiment with CalculiX 2.20; a moment does not).
+  pure integer function held_inner_from(model, director, k) result(step)
+    type(model_type), intent(in) :: model
+    type(director_type), intent(in) :: director
+    integer, intent(in) :: k                     !< 1, 2, 3
+    integer, allocatable :: steps(:)
+    steps = model%structure%held_from([k], director%node)
+    if (model%dialect == DIALECT_CALCULIX .and. director%n_outer == 4) &
+      steps = [steps, model%structure%held_from(4:, director%node)]
+    steps = pack(steps, steps > 0)
+    step = 0
+    if (size(steps) > 0) step = minval(steps)
+  end function held_inner_from
 
 
   !> The place of an inner node of a fibre, from 0 at the bottom to 1 on top.

@@ -118,7 +118,7 @@ def page() -> str:
         "of CalculiX's own tests runs under the calculix dialect as it is and is compared with CalculiX's printed reference block",
         "by block: the largest difference over the largest value of the block. Blocks of nothing but rounding, in the reference and",
         "here, are left out. Tables of plane and axisymmetric elements, which CalculiX expands into solids, are compared by the",
-        "extremes of their columns.",
+        "extremes of their columns, its files of nodal values (DISP, STRESS, TOSTRAIN) by the places of the nodes.",
         "",
         "A deck does not count if its reference is not reproduced by CalculiX's own release, needs code compiled into CalculiX, or",
         "has nothing that Amontons writes.",

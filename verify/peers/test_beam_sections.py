@@ -53,6 +53,20 @@ def test_cantilever(run_deck: Callable[..., subprocess.CompletedProcess[str]], t
             assert compare_block(one, other).deviation <= 0.01, f"{other.title}: 1 % of the largest value"
 
 
+@pytest.mark.parametrize("steps", ["*BOUNDARY\nEND, 4, 6\n*STEP\n*STATIC\n*CLOAD\nEND, 3, 1.\nEND, 1, 2.\n",
+                                   "*STEP\n*STATIC\n*CLOAD\nEND, 3, 1.\nEND, 4, .1\n"], ids=["rotation held", "moment"])
+def test_guided_end(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, steps: str) -> None:
+    """Where a rotation is prescribed the middles of the sides of the cross-section lie between its corners; under a moment they bulge."""
+    deck = beam("B32", CASES["rect"][1], n=2) + "*BOUNDARY\n1, 1, 6\n" + steps + "*NODE PRINT, NSET=N\nU\n*EL PRINT, ELSET=E\nS\n*END STEP\n"
+    done = run_deck(deck, "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (tmp_path / "ccx").mkdir()
+    (tmp_path / "ccx" / "job.inp").write_text(deck)
+    run_peer(tmp_path / "ccx")
+    for one, other in zip(read_dat(tmp_path / "job.dat"), read_dat(tmp_path / "ccx" / "job.dat"), strict=True):
+        assert compare_block(one, other).deviation <= 1e-5, f"{other.title}: beyond rounding and the printed digits"
+
+
 def test_pretension(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path) -> None:
     """A row of beams with a pre-tension section in one: CalculiX drops this beam, its ends are connected along it alone."""
     section = Section("RECT", ".4, .6", 0.24, 0.0, 0.0, 0.0)

@@ -236,15 +236,15 @@ def read_frd_places(path: Path) -> dict[int, list[float]]:
     return places
 
 
-def expand(ours: Block, reference: Block, places: dict[int, list[float]], points: dict[int, list[float]]) -> Block:
-    """Our block with the numbers of the nodes into which CalculiX expanded a plane mesh.
+def expand(ours: Block, reference: Block, places: dict[int, list[float]], points: dict[int, list[float]], n_axes: int) -> Block:
+    """Our block with the numbers of the nodes into which CalculiX expanded a plane mesh (2 axes), or shells and beams (3).
 
-    An expanded node has the place of its node in the plane. Where several of our nodes are in one place (on both sides of a
-    section) the one whose row is nearest is taken.
+    An expanded node of a plane mesh has the place of its node in the plane. Where several of our nodes are in one place (on both sides
+    of a section, in a knot) the one whose row is nearest is taken.
     """
     rows: dict[Key, list[float]] = {}
     for key, row in reference.rows.items():
-        near = [label for label, x in points.items() if np.allclose(x[:2], places[key[0]][:2], atol=1e-5) and (label,) in ours.rows]
+        near = [label for label, x in points.items() if np.allclose(x[:n_axes], places[key[0]][:n_axes], atol=1e-5) and (label,) in ours.rows]
         if near:
             best = min(near, key=lambda label: float(np.abs(np.array(row) - ours.rows[(label,)][: len(row)]).max()))
             rows[key] = ours.rows[(best,)]

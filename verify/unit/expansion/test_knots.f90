@@ -34,10 +34,26 @@ program test_knots
   call check_motion('edge')
   call expect_read('*BOUNDARY;1,1,1;', model, DIALECT_CALCULIX)
   call suite%that('linear: no inner nodes to hold', size(model%equations) == 12)
+  call suite%that('a turned section holds its 4 inner nodes', n_tie_rows('*BOUNDARY;13,6,6;', DIALECT_CALCULIX) == 9 + 12)
+  call suite%that('not under the abaqus dialect', n_tie_rows('*BOUNDARY;13,6,6;', DIALECT_ABAQUS) == 9)
+  call suite%that('nor by a moment', n_tie_rows('*CLOAD;13,6,1.;', DIALECT_CALCULIX) == 9)
+  call suite%that('along one direction by a displacement', n_tie_rows('*BOUNDARY;13,1,1;', DIALECT_CALCULIX) == 9 + 4)
   call expect_message('*BOUNDARY;9,1,1;', 'There is no node')
   call suite%finish()
 
 contains
+
+  !> The equations of a quadratic beam 11, 12, 13 with a card.
+  integer function n_tie_rows(card, dialect) result(n)
+    character(*), intent(in) :: card
+    integer, intent(in) :: dialect
+    type(model_type) :: beam
+    integer :: k
+    call expect_read('*NODE;11,0,0,2;12,1,0,2;13,2,0,2;*ELEMENT, TYPE=B32, ELSET=B;2,11,12,13;*BEAM SECTION, ELSET=B, ' // &
+      'MATERIAL=M, SECTION=RECT;.1,.2;0.,1.,0.;', beam, dialect, '*STEP;*STATIC;' // card // '*END STEP;')
+    n = count([(beam%equations(k)%card == 'BEAM SECTION', k=1, size(beam%equations))])
+  end function n_tie_rows
+
 
   !> A finite rotation about an axis through the origin, with a shift, satisfies every row.
   subroutine check_motion(name)
