@@ -170,6 +170,7 @@ uses_boundary_conditions = kinds errors mesh steps model state user_state constr
 uses_tie_generation = kinds errors tensor element_kinds loads mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
+uses_body_motion = kinds loads mesh model
 uses_slave_nodes = kinds surfaces slave_node_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
 uses_shared_slave_nodes = kinds containers facets slave_node_overrides state
@@ -181,10 +182,10 @@ uses_contact_integration_points = kinds element_kinds model shape_functions face
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives row_normals mortar mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds containers errors tensor sparse woodbury_interface contact_linearization
 uses_dependent_slaves = kinds text errors surfaces model elasticity tributary_areas constraints nonlinear_mpc
-uses_rigid_exterior = text element_kinds mpc_data model
-uses_general_contact = kinds text containers loads mesh surfaces model elasticity facets analytic_master exterior_surface facet_search mortar_segmentation shared_slave_nodes contact_pairs rigid_exterior
-uses_self_contact_pairs = kinds text element_kinds materials surfaces model exterior_surface mortar_segmentation general_contact
-uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation contact_pairs general_contact self_contact_pairs
+uses_rigid_exterior = kinds text element_kinds mpc_data model
+uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search mortar_segmentation body_motion shared_slave_nodes contact_pairs rigid_exterior
+uses_self_contact_pairs = kinds text element_kinds materials surfaces model exterior_surface mortar_segmentation body_motion general_contact
+uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs general_contact self_contact_pairs
 
 # equilibrium
 uses_arc_length = kinds steps model state

@@ -13,11 +13,10 @@ module amontons_general_contact
   use amontons_kinds, only: DP, I64
   use amontons_text, only: to_text, plural, NEWLINE
   use amontons_containers, only: integer_list_type, list_groups, ascending_order
-  use amontons_mesh, only: mesh_extent
-  use amontons_loads, only: prescribed_type, amplitude_type
   use amontons_elasticity, only: small_strain_modulus
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
+  use amontons_body_motion, only: estimate_motion
   use amontons_exterior_surface, only: exterior_type, build_exterior, common_depth, is_thin
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
@@ -26,17 +25,16 @@ module amontons_general_contact
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
   use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, &
-    unpaired_edges_warning
+    unpaired_edges_warning, compare_sheets, SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
   implicit none
   private
   public :: general_pairs_type, find_general_pairs, near_faces_type, find_near_faces
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
-  public :: are_near, list_facets, exterior_positions, body_name, is_rigid_sheet, are_excluded
-  public :: TOUCHING_RADIUS, collect_face_data, estimate_motion, find_interaction, make_surface, displacement_span
+  public :: are_near, list_facets, exterior_positions, body_name, is_rigid_sheet
+  public :: TOUCHING_RADIUS, collect_face_data, find_interaction, make_surface
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
-  real(DP), parameter :: LOAD_MOTION_SHARE = 0.05_DP       !< way of bodies under forces, over the extent of the mesh [-]
   real(DP), parameter :: DISTINCT_STIFFNESS_RATIO = 1.5_DP !< bodies with a smaller ratio of their moduli are alike [-]
   real(DP), parameter :: DISTINCT_MESH_RATIO = 1.1_DP      !< the same for the mean edges [-]
 
@@ -75,14 +73,16 @@ module amontons_general_contact
   type :: general_pairs_type
     type(surface_type), allocatable :: surfaces(:)
     type(contact_pair_type), allocatable :: pairs(:)
-    character(:), allocatable :: warning           !< bodies without a pair that can pass through each other; '': none
+    character(:), allocatable :: warning           !< rigid edges without a pair; '': none
+    character(:), allocatable :: obstacle          !< bodies that can meet and get no pair; '': none
   end type general_pairs_type
 
   !> Near faces: face i is near a face of a group.
   type :: near_faces_type
     type(integer_list_type) :: face                !< faces
     type(integer_list_type) :: partner             !< groups; beyond n_groups: analytic surfaces, n_groups + their index
-    type(integer_list_type) :: driven              !< bodies near each other that supports drive, in twos
+    type(integer_list_type) :: driven              !< bodies near each other that supports drive, in twos; beyond n_bodies: surfaces
+    type(integer_list_type) :: undecided           !< faces of rigid elements near each other, in twos: which sides meet is unknown
   end type near_faces_type
 
 contains
@@ -100,6 +100,7 @@ contains
     text = ''
     allocate (found%pairs(0), found%surfaces(0))
     found%warning = ''
+    found%obstacle = ''
     if (.not. allocated(model%general_contact)) return
     found%warning = unpaired_edges_warning(model)
     call build_model_exterior(model, exterior)
@@ -108,6 +109,7 @@ contains
     call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, motion, near)
     call find_faces_near_profiles(model, exterior, data, motion, near)
     if (near%face%n > 0) call build_pairs(model, exterior, data, near, found, text)
+    call report_sheets(model, exterior, near, found%obstacle)
     do i = 1, near%driven%n, 2
       call report_bodies(model, exterior, near%driven%items(i:i + 1), 'supports prescribe the motion of both rigid bodies', text)
     end do
@@ -177,14 +179,21 @@ contains
     if (can_move) return
     associate (nodes => exterior%nodes(exterior%first([f, m])), bodies => exterior%body([f, m]))
       can_move = .not. is_pair_driven(data%rigid, nodes)
-      if (can_move .or. is_one_body(data%rigid, nodes)) return
-      if (near%driven%n > 0) then
-        if (all(near%driven%items(near%driven%n - 1:near%driven%n) == [minval(bodies), maxval(bodies)])) return
-      end if
-      call near%driven%add(minval(bodies))
-      call near%driven%add(maxval(bodies))
+      if (.not. (can_move .or. is_one_body(data%rigid, nodes))) call add_bodies(near%driven, bodies)
     end associate
   end subroutine judge_motion
+
+
+  !> Adds two bodies to a list, the smaller number first, unless they are its last ones.
+  subroutine add_bodies(list, bodies)
+    type(integer_list_type), intent(inout) :: list
+    integer, intent(in) :: bodies(2)
+    if (list%n > 0) then
+      if (all(list%items(list%n - 1:list%n) == [minval(bodies), maxval(bodies)])) return
+    end if
+    call list%add(minval(bodies))
+    call list%add(maxval(bodies))
+  end subroutine add_bodies
 
 
   !> The faces of the surfaces that the rules, ties and given pairs name, and the pairs of surfaces left out.
@@ -305,64 +314,6 @@ contains
   end function is_of
 
 
-  !> How far bodies can move in the steps: zero without NLGEOM, where contact follows the positions at the start; else the sum of
-  !! the largest prescribed displacements, rotations by half the extent of the mesh, and a share of the extent where forces act.
-  pure real(DP) function estimate_motion(model) result(motion)
-    type(model_type), intent(in) :: model
-    integer :: i
-    motion = max(0.0_DP, model%general_contact%reach)
-    if (model%general_contact%reach >= 0.0_DP) return
-    do i = 1, size(model%steps)
-      associate (step => model%steps(i))
-        if (.not. step%is_nlgeom) cycle
-        motion = motion + largest_motion(model, step%prescribed)
-        if (size(step%concentrated) + size(step%distributed) > 0) motion = max(motion, LOAD_MOTION_SHARE * mesh_extent(model%mesh))
-      end associate
-    end do
-  end function estimate_motion
-
-
-  !> A bound of the displacement of nodes relative to each other [length].
-  pure real(DP) function displacement_span(model, u) result(span)
-    type(model_type), intent(in) :: model
-    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    integer :: i
-    span = norm2([(maxval(u(i, :), mask=model%mesh%has_elements) - minval(u(i, :), mask=model%mesh%has_elements), i=1, 3)])
-  end function displacement_span
-
-
-  !> The largest prescribed displacement of a step; a velocity counts as the extent of the mesh [length].
-  pure real(DP) function largest_motion(model, prescribed) result(largest)
-    type(model_type), intent(in) :: model
-    type(prescribed_type), intent(in) :: prescribed(:)
-    real(DP) :: motion, extent
-    integer :: i
-    extent = mesh_extent(model%mesh)
-    largest = 0.0_DP
-    do i = 1, size(prescribed)
-      associate (load => prescribed(i))
-        if (load%is_held) cycle
-        motion = max(abs(load%end), abs(load%start))
-        if (load%amplitude > 0) motion = largest_factor(model%amplitudes(load%amplitude)) * abs(load%end)
-        if (load%is_velocity .or. load%is_user) motion = extent
-        if (model%mesh%is_auxiliary(load%node)) motion = 0.5_DP * motion * extent
-        largest = max(largest, motion)
-      end associate
-    end do
-  end function largest_motion
-
-
-  !> The largest factor of an amplitude; of a formula the sum of its constants bounds it.
-  pure real(DP) function largest_factor(amplitude) result(largest)
-    type(amplitude_type), intent(in) :: amplitude
-    if (allocated(amplitude%formula_constants)) then
-      largest = sum(abs(amplitude%formula_constants))
-    else
-      largest = maxval(abs(amplitude%factor))
-    end if
-  end function largest_factor
-
-
   !> Finds the near faces of all groups.
   subroutine find_near_faces(rules, exterior, data, radius, motion, near)
     type(general_contact_type), intent(in) :: rules
@@ -394,11 +345,18 @@ contains
       do k = 1, n
         j = active(list(k))
         g = data%group(j)
-        if (seen(g) == f .or. exterior%body(j) == exterior%body(f)) cycle
+        if (exterior%body(j) == exterior%body(f)) cycle
+        if (seen(g) == f .and. .not. is_thin(exterior%depth(f), exterior%edge_length(f))) cycle
         if (.not. are_near(exterior, f, j, radius, near_motion)) cycle
         if (find_interaction(rules, data, data%group(f), g, 0) == 0) cycle
-        seen(g) = f
         call judge_motion(exterior, data, f, j, near, can_move)
+        if (can_move .and. compare_faces(exterior, f, j) == SHEETS_UNDECIDED) then
+          call near%undecided%add(f)
+          call near%undecided%add(j)
+          cycle
+        end if
+        if (seen(g) == f) cycle
+        seen(g) = f
         if (.not. can_move) cycle
         call near%face%add(f)
         call near%partner%add(g)
@@ -475,11 +433,31 @@ contains
     front = min(dot_product(between, exterior%normal(:, f)), -dot_product(between, exterior%normal(:, m)))
     lateral = norm2(between - dot_product(between, exterior%normal(:, f)) * exterior%normal(:, f))
     if (lateral > MAX_LATERAL_OFFSET * (exterior%edge_length(f) + exterior%edge_length(m)) + motion) return
+    if (all(is_thin(exterior%depth([f, m]), exterior%edge_length([f, m])))) then
+      are_near = compare_faces(exterior, f, m) /= SHEETS_BEHIND
+      return
+    end if
     if (cosine > -0.5_DP) front = front + lateral * sqrt(1 - cosine**2)   ! inclined: the centres do not show which is in front
     depth = min(common_depth(exterior%depth(f), exterior%edge_length(f), exterior%depth(m)), &
       common_depth(exterior%depth(m), exterior%edge_length(m), exterior%depth(f)))
     are_near = front >= -MAX_DEPTH_SHARE * depth - motion
   end function are_near
+
+
+  !> Whether two faces without depth face each other (`compare_sheets`); faces of bodies with a depth do. Faces apart, each of which
+  !! reaches through the plane of the other, do not.
+  pure integer function compare_faces(exterior, f, m) result(order)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: f, m                    !< faces
+    order = SHEETS_FACE
+    if (.not. all(is_thin(exterior%depth([f, m]), exterior%edge_length([f, m])))) return
+    associate (first => exterior%first([f, m]), last => exterior%first([f, m]) + exterior%n_corners([f, m]) - 1)
+      order = compare_sheets(exterior%x(:, exterior%nodes(first(1):last(1))), exterior%x(:, exterior%nodes(first(2):last(2))), &
+        exterior%normal(:, [f, m]), sum(exterior%depth([f, m])))
+    end associate
+    if (order == SHEETS_UNDECIDED .and. box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > &
+      sum(exterior%depth([f, m]))) order = SHEETS_BEHIND
+  end function compare_faces
 
 
   !> The faces of groups that can meet somewhere on a long way: groups of different bodies with opposing normals, and of them the
@@ -527,11 +505,12 @@ contains
     real(DP), intent(in) :: motion                 !< [length]
     type(near_faces_type), intent(inout) :: near
     integer, parameter :: MAX_SAMPLED_FACES = 200
-    integer :: i, stride
+    integer :: i, k, stride
     stride = 1 + size(other) / MAX_SAMPLED_FACES
     do i = 1, size(own)
       if (box_distance(exterior%box(:, :, own(i)), box) > motion) cycle
-      if (minval(matmul(exterior%normal(:, own(i)), exterior%normal(:, other(::stride)))) > 0.0_DP) cycle
+      if (.not. any([(dot_product(exterior%normal(:, own(i)), exterior%normal(:, other(k))) <= 0.0_DP .and. &
+        compare_faces(exterior, own(i), other(k)) == SHEETS_FACE, k=1, size(other), stride)])) cycle
       call near%face%add(own(i))
       call near%partner%add(h)
     end do
@@ -552,9 +531,6 @@ contains
     do s = 1, size(model%surfaces)
       if (.not. allocated(model%surfaces(s)%profile)) cycle
       do f = 1, exterior%n
-        associate (nodes => [exterior%nodes(exterior%first(f)), model%surfaces(s)%nodes(1)])
-          if (data%is_rigid(f) .and. is_pair_driven(data%rigid, nodes)) cycle
-        end associate
         if (find_interaction(model%general_contact, data, data%group(f), 0, s) == 0) cycle
         reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + motion
         if (motion <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
@@ -563,6 +539,12 @@ contains
           if (projection%status /= PROJECTION_INSIDE .or. projection%gap > reach .or. projection%gap < -exterior%depth(f)) cycle
           if (dot_product(projection%normal, exterior%normal(:, f)) > -MIN_FACING_COSINE) cycle
         end if
+        associate (nodes => [exterior%nodes(exterior%first(f)), model%surfaces(s)%nodes(1)])
+          if (data%is_rigid(f) .and. is_pair_driven(data%rigid, nodes)) then
+            if (.not. is_one_body(data%rigid, nodes)) call add_bodies(near%driven, [exterior%body(f), exterior%n_bodies + s])
+            cycle
+          end if
+        end associate
         call near%face%add(f)
         call near%partner%add(data%n_groups + s)
       end do
@@ -741,13 +723,10 @@ contains
     integer :: reason, g, h, s
     has_profile = partner > data%n_groups
     if (size(masters) == 0 .and. .not. has_profile) return
-    if (.not. has_profile) then
-      if (all(is_rigid_sheet(exterior, data, [slaves(1), masters(1)]))) then
-        call report_sheets(model, exterior, data, exterior%body([slaves(1), masters(1)]), found%warning)
-        return
-      end if
-    end if
     pair%slave_depth = minval(exterior%depth(slaves))
+    if (.not. has_profile) then                    ! two sheets: the sides that face each other at the start, to half an edge
+      if (all(is_rigid_sheet(exterior, data, [slaves(1), masters(1)]))) pair%slave_depth = minval(exterior%edge_length(slaves))
+    end if
     pair%is_general = .true.
     pair%is_mortar = model%general_contact%is_mortar .and. .not. has_profile
     g = data%group(slaves(1))
@@ -788,42 +767,41 @@ contains
   end function is_rigid_sheet
 
 
-  !> Warns of two bodies of rigid elements that they need a pair by hand, unless they have one.
-  subroutine report_sheets(model, exterior, data, bodies, warning)
+  !> Says of bodies of rigid elements without a pair by hand that the sides that meet are unknown.
+  subroutine report_sheets(model, exterior, near, obstacle)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
-    type(face_data_type), intent(in) :: data
-    integer, intent(in) :: bodies(2)
-    character(:), allocatable, intent(inout) :: warning
-    character(:), allocatable :: sentence
-    if (are_excluded(exterior, data, bodies)) return
-    sentence = body_name(model, exterior, minval(bodies)) // ' and ' // body_name(model, exterior, maxval(bodies)) // ' pass ' // &
-      'through each other: both are of rigid elements, whose two sides have no depth between them. If they can touch, name ' // &
-      'their sides (SPOS, SNEG) in a *CONTACT PAIR.'
-    if (index(warning, sentence) > 0) return
-    if (warning /= '') warning = warning // NEWLINE
-    warning = warning // 'General contact: ' // sentence
-  end subroutine report_sheets
-
-
-  !> Whether a pair of surfaces left out has faces of both bodies.
-  pure logical function are_excluded(exterior, data, bodies)
-    type(exterior_type), intent(in) :: exterior
-    type(face_data_type), intent(in) :: data
-    integer, intent(in) :: bodies(2)
-    logical :: has(2, 2)
-    integer :: i, j, k
-    are_excluded = .false.
-    do k = 1, size(data%excluded, 2)
-      do i = 1, 2
-        associate (column => data%column_of(data%excluded(i, k)))
-          has(:, i) = column == 0
-          if (column > 0) has(:, i) = [(any(data%is_in(:, column) .and. exterior%body == bodies(j)), j=1, 2)]
-        end associate
-      end do
-      are_excluded = are_excluded .or. (has(1, 1) .and. has(2, 2)) .or. (has(2, 1) .and. has(1, 2))
+    type(near_faces_type), intent(in) :: near
+    character(:), allocatable, intent(inout) :: obstacle
+    logical :: is_given(exterior%n_bodies, exterior%n_bodies)
+    integer :: i, p, body(2)
+    is_given = .false.
+    do p = 1, size(model%pairs)
+      body = [body_of(model%surfaces(model%pairs(p)%slave)), body_of(model%surfaces(model%pairs(p)%master))]
+      if (all(body > 0)) is_given(body, body) = .true.
     end do
-  end function are_excluded
+    do i = 1, near%undecided%n, 2
+      body = exterior%body(near%undecided%items(i:i + 1))
+      if (is_given(body(1), body(2))) cycle
+      is_given(body, body) = .true.              ! once
+      if (obstacle /= '') obstacle = obstacle // NEWLINE
+      obstacle = obstacle // 'General contact (*CONTACT, line ' // to_text(model%general_contact%line) // '): ' // &
+        body_name(model, exterior, minval(body)) // ' and ' // body_name(model, exterior, maxval(body)) // ' lie in one ' // &
+        'surface or cross at the start. Both are of rigid elements, which have no depth: which of their sides meet is unknown. ' &
+        // 'Name the sides (SPOS, SNEG) in a *CONTACT PAIR, move the bodies apart, or name both in *CONTACT EXCLUSIONS.'
+    end do
+
+  contains
+
+    !> The body of the first face of a surface; 0: it has none.
+    pure integer function body_of(surface)
+      type(surface_type), intent(in) :: surface
+      body_of = 0
+      if (.not. allocated(surface%element)) return
+      if (size(surface%element) > 0) body_of = exterior%body_of_element(surface%element(1))
+    end function body_of
+
+  end subroutine report_sheets
 
 
   !> Says once of two bodies why general contact makes no pair of them.
@@ -873,13 +851,17 @@ contains
   end subroutine make_surface
 
 
-  !> The name of the first element set that is exactly the body; else 'BODY' and its number.
+  !> The name of the first element set that is exactly the body, else 'BODY' and its number; the name of an analytic surface.
   function body_name(model, exterior, body) result(name)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
-    integer, intent(in) :: body
+    integer, intent(in) :: body                    !< body; beyond n_bodies: n_bodies + the index of an analytic surface
     character(:), allocatable :: name
     integer :: i, n
+    if (body > exterior%n_bodies) then
+      name = model%surfaces(body - exterior%n_bodies)%name
+      return
+    end if
     name = 'BODY' // to_text(body)
     if (.not. allocated(model%mesh%element_sets)) return
     n = count(exterior%body_of_element == body)

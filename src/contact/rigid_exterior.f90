@@ -1,6 +1,7 @@
-!> Rigid bodies on the exterior: which nodes belong to one, and which of them supports drive.
+!> Rigid bodies on the exterior: which nodes belong to one, which of them supports drive, which sides of rigid elements face.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_rigid_exterior
+  use amontons_kinds, only: DP
   use amontons_text, only: to_text
   use amontons_element_kinds, only: KIND_R2D2, KIND_RAX2
   use amontons_model, only: model_type
@@ -8,6 +9,11 @@ module amontons_rigid_exterior
   implicit none
   private
   public :: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, unpaired_edges_warning
+  public :: compare_sheets, SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
+
+  integer, parameter :: SHEETS_FACE = 1            !< one face lies before the other, and neither behind
+  integer, parameter :: SHEETS_BEHIND = 2          !< a face lies behind the other: the far sides of two sheets
+  integer, parameter :: SHEETS_UNDECIDED = 3       !< in one plane, or each reaches through the plane of the other
 
   !> The rigid body of each node.
   type :: rigid_bodies_type
@@ -75,6 +81,39 @@ contains
     integer, intent(in) :: nodes(2)
     is_one_body = all(bodies%is_whole(nodes)) .and. bodies%reference(nodes(1)) == bodies%reference(nodes(2))
   end function is_one_body
+
+
+  !> How two opposing faces without depth lie to each other, by the sides of the mean plane of the one on which the corners of the
+  !! other lie.
+  pure integer function compare_sheets(corners, others, normals, tolerance) result(order)
+    real(DP), intent(in) :: corners(:, :)          !< (3, :) of the first face [length]
+    real(DP), intent(in) :: others(:, :)           !< (3, :) of the second one [length]
+    real(DP), intent(in) :: normals(3, 2)          !< of both
+    real(DP), intent(in) :: tolerance              !< within it a corner lies in a plane [length]
+    real(DP) :: low(2), high(2)
+    call measure(corners, others, normals(:, 1), low(1), high(1))
+    call measure(others, corners, normals(:, 2), low(2), high(2))
+    if (any(high <= tolerance .and. low < -tolerance)) then
+      order = SHEETS_BEHIND
+    else if (any(low >= -tolerance .and. high > tolerance)) then
+      order = SHEETS_FACE
+    else
+      order = SHEETS_UNDECIDED
+    end if
+
+  contains
+
+    !> The least and the largest height of points above the mean plane of a face [length].
+    pure subroutine measure(face, points, normal, low, high)
+      real(DP), intent(in) :: face(:, :), points(:, :), normal(3)
+      real(DP), intent(out) :: low, high
+      real(DP) :: height(size(points, 2))
+      height = matmul(normal, points) - dot_product(normal, sum(face, dim=2)) / real(size(face, 2), DP)
+      low = minval(height)
+      high = maxval(height)
+    end subroutine measure
+
+  end function compare_sheets
 
 
   !> The warning of general contact about rigid edges of no pair, which bound no body and are not on the exterior; '': none.

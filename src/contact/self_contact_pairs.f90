@@ -16,8 +16,9 @@ module amontons_self_contact_pairs
   use amontons_surfaces, only: surface_type, contact_pair_type, is_compliant
   use amontons_exterior_surface, only: exterior_type
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
+  use amontons_body_motion, only: estimate_motion
   use amontons_general_contact, only: general_pairs_type, face_data_type, build_model_exterior, collect_face_data, &
-    estimate_motion, find_interaction, make_surface, body_name
+    find_interaction, make_surface, body_name
   implicit none
   private
   public :: add_self_pairs, body_thickness, self_contact_obstacle, FOLD_RATIO

@@ -13,15 +13,16 @@ module amontons_unpaired_contact
   use amontons_exterior_surface, only: exterior_type, measure_faces
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
-  use amontons_general_contact, only: face_data_type, near_faces_type, build_model_exterior, collect_face_data, estimate_motion, &
-    find_near_faces, find_interaction, body_name, list_facets, exterior_positions, displacement_span, TOUCHING_RADIUS, &
-    is_rigid_sheet, are_excluded
+  use amontons_body_motion, only: estimate_motion, displacement_span
+  use amontons_general_contact, only: face_data_type, near_faces_type, build_model_exterior, collect_face_data, &
+    find_near_faces, find_interaction, body_name, list_facets, exterior_positions, TOUCHING_RADIUS, is_rigid_sheet
   use amontons_self_contact_pairs, only: body_thickness, self_contact_obstacle, FOLD_RATIO
   implicit none
   private
   public :: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
 
   real(DP), parameter :: NEIGHBOUR_RATIO = 1.5_DP           !< nearer faces, over their edge, are neighbours on the surface [-]
+  integer, parameter :: MAX_FACES = 6                       !< of an element
 
   !> The exterior of the model in its first step, for the search of unpaired faces after each increment; made once, when a search
   !! needs it first.
@@ -60,14 +61,12 @@ contains
     call measure_faces(model%mesh, model%mesh%coordinates + u, now)
     approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(now%edge_length))
     call find_near_faces(model%general_contact, now, faces%data, TOUCHING_RADIUS, approach, near)
+    do i = 1, near%undecided%n, 2                  ! sheets that cross have met, too
+      call near%face%add(near%undecided%items(i))
+      call near%partner%add(faces%data%group(near%undecided%items(i + 1)))
+    end do
     if (near%face%n == 0) return
     call find_covered_faces(faces, near, size(model%pairs), is_covered)
-    do i = 1, near%face%n                          ! of two rigid elements a pair by hand takes one side of each
-      if (is_covered(i)) cycle
-      associate (both => [near%face%items(i), faces%data%member(near%partner%items(i))])
-        if (all(is_rigid_sheet(now, faces%data, both))) is_covered(i) = are_excluded(now, faces%data, now%body(both))
-      end associate
-    end do
     i = findloc(is_covered, .false., dim=1)
     if (i == 0) return
     associate (mesh => model%mesh, f => near%face%items(i), m => faces%data%member(near%partner%items(i)))
@@ -250,14 +249,15 @@ contains
   end subroutine list_pairs_of_faces
 
 
-  !> Marks the near faces that some pair holds on one side, and on its other side a face of their partner group.
+  !> Marks the near faces that some pair holds on one side, and on its other side a face of their partner group. Two rigid elements
+  !! without depth that touch by a penalty have passed each other by a little: then their other sides are in the pair.
   subroutine find_covered_faces(faces, near, n_pairs, is_covered)
     type(model_faces_type), intent(in) :: faces
     type(near_faces_type), intent(in) :: near
     integer, intent(in) :: n_pairs
     logical, allocatable, intent(out) :: is_covered(:)   !< (near faces)
     logical, allocatable :: is_slave(:, :), is_master(:, :)
-    integer :: f, i
+    integer :: f, i, both(2)
     allocate (is_slave(n_pairs, faces%data%n_groups), is_master(n_pairs, faces%data%n_groups), source=.false.)
     do f = 1, faces%exterior%n
       associate (g => faces%data%group(f))
@@ -268,11 +268,35 @@ contains
     end do
     allocate (is_covered(near%face%n))
     do i = 1, near%face%n
-      associate (f_i => near%face%items(i), g => near%partner%items(i))
-        is_covered(i) = any(is_master(faces%slave_pair(faces%slave_first(f_i):faces%slave_first(f_i + 1) - 1), g)) .or. &
-          any(is_slave(faces%master_pair(faces%master_first(f_i):faces%master_first(f_i + 1) - 1), g))
-      end associate
+      both = [near%face%items(i), faces%data%member(near%partner%items(i))]
+      is_covered(i) = is_held(both)
+      if (is_covered(i) .or. .not. all(is_rigid_sheet(faces%exterior, faces%data, both))) cycle
+      is_covered(i) = is_held([other_side(faces%exterior, both(1)), other_side(faces%exterior, both(2))])   ! before they touch
     end do
+
+  contains
+
+    !> Whether a pair has the first face on one side and the group of the second one on the other.
+    pure logical function is_held(both)
+      integer, intent(in) :: both(2)               !< faces
+      associate (f => both(1), g => faces%data%group(both(2)))
+        is_held = any(is_master(faces%slave_pair(faces%slave_first(f):faces%slave_first(f + 1) - 1), g)) .or. &
+          any(is_slave(faces%master_pair(faces%master_first(f):faces%master_first(f + 1) - 1), g))
+      end associate
+    end function is_held
+
   end subroutine find_covered_faces
+
+
+  !> The face on the other side of an element without depth.
+  pure integer function other_side(exterior, f) result(other)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: f                       !< face
+    do other = max(1, f - MAX_FACES), min(exterior%n, f + MAX_FACES)
+      if (exterior%element(other) /= exterior%element(f)) cycle
+      if (dot_product(exterior%normal(:, other), exterior%normal(:, f)) < -MIN_FACING_COSINE) return
+    end do
+    other = f
+  end function other_side
 
 end module amontons_unpaired_contact

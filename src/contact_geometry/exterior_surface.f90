@@ -39,6 +39,7 @@ module amontons_exterior_surface
     real(DP), allocatable :: edge_length(:)        !< (n) of the longest edge [length]
     real(DP), allocatable :: area(:)               !< (n) [length^2]; of an edge of a plane element its length
     real(DP), allocatable :: depth(:)              !< (n) of the element below the face [length]
+    real(DP), allocatable :: x(:, :)               !< (3, n_nodes) coordinates, if a face is thin (`is_thin`) [length]
   end type exterior_type
 
 contains
@@ -222,6 +223,7 @@ contains
       exterior%normal(:, f) = area_vector / max(exterior%area(f), tiny(1.0_DP))
       exterior%depth(f) = face_depth(mesh, x, exterior%element(f), exterior%centre(:, f), exterior%normal(:, f))
     end do
+    if (any(is_thin(exterior%depth, exterior%edge_length))) exterior%x = x
   end subroutine measure_faces
 
 

@@ -65,7 +65,7 @@ contains
       case (ACTION_EXPLAIN)
         call explain_deck(command%job, model, cards, error)
         call logger%say(cards)
-        if (.not. allocated(error)) call add_general_contact(model, logger)
+        if (.not. allocated(error)) call add_general_contact(model, logger, error)
       case (ACTION_ESTIMATE)
         call print_estimate(command%job, logger, error)
       case default

@@ -6,7 +6,7 @@
 !! first step. No later procedure has a model with intent(inout) (`make lint`).
 module amontons_model_setup
   use amontons_kinds, only: DP
-  use amontons_errors, only: error_type
+  use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
   use amontons_loads, only: equation_type, prescribed_type
@@ -36,7 +36,8 @@ contains
     if (allocated(error)) return
     call add_ties(model, error)
     if (allocated(error)) return
-    call add_general_contact(model, logger)
+    call add_general_contact(model, logger, error)
+    if (allocated(error)) return
     if (allocated(model%general_contact)) call order_slave_terms(model, is_bound)
     call soften_dependent_pairs(model, logger)
     call adjust(model, logger, error)
@@ -86,16 +87,18 @@ contains
   end subroutine add_ties
 
 
-  !> Converts general contact to contact pairs and says what was found.
-  subroutine add_general_contact(model, logger)
+  !> Converts general contact to contact pairs and says what was found. Errors: EXIT_SETUP (bodies that can meet without a pair).
+  subroutine add_general_contact(model, logger, error)
     type(model_type), intent(inout) :: model
     type(logger_type), intent(inout) :: logger
+    type(error_type), allocatable, intent(out) :: error
     type(general_pairs_type) :: found
     character(:), allocatable :: text
     call find_general_pairs(model, found, text)
     call add_self_pairs(model, found, text)
     if (text /= '') call logger%say(text)
     if (found%warning /= '') call logger%warn(found%warning)
+    if (found%obstacle /= '') call set_error(error, EXIT_SETUP, found%obstacle)
     if (size(found%pairs) == 0) return
     model%surfaces = [model%surfaces, found%surfaces]
     model%pairs = [model%pairs, found%pairs]

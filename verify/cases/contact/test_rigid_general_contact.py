@@ -124,19 +124,73 @@ def test_sheet_and_block(run_deck: Run, tmp_path: Path, lower: str, upper: str, 
     assert "General contact: 1 pair of 2 meshed bodies:" in said
 
 
+PAIR = "*SURFACE, NAME=UNDERSIDE\nUPPER, SNEG\n*SURFACE, NAME=TOP\nLOWER, SPOS\n*SURFACE INTERACTION, NAME=I\n"
+PAIR += "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\nUNDERSIDE, TOP\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+
+
 @pytest.mark.parametrize("is_nlgeom", [False, True])
-def test_sheets(run_deck: Run, tmp_path: Path, *, is_nlgeom: bool) -> None:
-    """Two bodies of rigid elements get no pair but a warning; under NLGEOM the job ends where they meet. The pair that the warning
-    names holds them apart and ends the warning."""
-    done = run_deck(deck("sheet", "sheet", is_nlgeom=is_nlgeom))
+@pytest.mark.parametrize("contact", ["", PAIR])
+@pytest.mark.parametrize("supports", [HELD, ON_SPRING])
+def test_sheets(run_deck: Run, tmp_path: Path, supports: str, contact: str, *, is_nlgeom: bool) -> None:
+    """Two bodies of rigid elements meet with the sides that face each other at the start, as with the pair by hand."""
+    result, said = solve(run_deck, tmp_path, deck("sheet", "sheet", contact, supports=supports, is_nlgeom=is_nlgeom))
+    force = (LOAD - SPRING * GAP) / (1 + SPRING * (1 / PENALTY + (1 / FOOT if supports == ON_SPRING else 0)))
+    assert result[1][2] == pytest.approx(-(LOAD - force) / SPRING, rel=EQUAL)
+    if supports == ON_SPRING:
+        assert result[0][2] == pytest.approx(-force / FOOT, rel=EQUAL)
+    assert f"General contact: {0 if contact else 1} pair{'s' if contact else ''} of 2 meshed bodies" in said
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_inclined_sheets(run_deck: Run, tmp_path: Path, *, is_nlgeom: bool) -> None:
+    """The lower sheet is inclined by 1 to 5. Guided vertically, the upper one comes down on it with its edge at x = 1, and the force
+    is normal to the lower face: of its vertical part a fifth goes across."""
+    contact = "*CONTACT, TYPE=NODE TO SURFACE\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT FORMULATION, TYPE=MASTER SLAVE ROLES\nA, B, SLAVE\n"
+    contact = "*SURFACE, NAME=A\nUPPER, SNEG\n*SURFACE, NAME=B\nLOWER, SPOS\n" + contact
+    text = deck("sheet", "sheet", contact, is_nlgeom=is_nlgeom)
+    lines = text.splitlines()
+    first = lines.index("*NODE")
+    for i in range(first + 1, first + 10):
+        number, x, y, z = (float(v) for v in lines[i].split(","))
+        lines[i] = f"{int(number)}, {x}, {y}, {z + 0.2 * (x - 1)}"
+    result, _ = solve(run_deck, tmp_path, "\n".join(lines) + "\n")
+    assert result[2][2] == pytest.approx(LOAD + SPRING * result[1][2], rel=EQUAL), "what the spring does not take"
+    assert result[2][0] == pytest.approx(-0.2 * result[2][2], rel=EQUAL)
+    yields = 1.04 * result[2][2] / (PENALTY / 6)  # an edge has a sixth of the area; along z, of an inclined face
+    assert result[1][2] == pytest.approx(-GAP - yields, abs=0.02 * yields), "the inclined edges of the master are 2 % longer"
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("contact", ["", PAIR])
+def test_sheets_in_one_plane(run_deck: Run, tmp_path: Path, contact: str, *, is_nlgeom: bool) -> None:
+    """Which sides meet of sheets that lie in each other is unknown: an error, unless a pair says it."""
+    text = deck("sheet", "sheet", contact, is_nlgeom=is_nlgeom).replace(f", {1 + GAP}\n", ", 1.0\n")
+    done = run_deck(text)
     said = re.sub(r"\s+", " ", done.stdout + done.stderr)
-    assert "*WARNING: General contact: LOWER and UPPER pass through each other: both are of rigid elements" in said
-    assert done.returncode == (5 if is_nlgeom else 0)
-    pair = "*SURFACE, NAME=UNDERSIDE\nUPPER, SNEG\n*SURFACE, NAME=TOP\nLOWER, SPOS\n*SURFACE INTERACTION, NAME=I\n"
-    pair += "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\nUNDERSIDE, TOP\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
-    result, said = solve(run_deck, tmp_path, deck("sheet", "sheet", pair, is_nlgeom=is_nlgeom))
-    assert result[2][2] == pytest.approx((LOAD - SPRING * GAP) / (1 + SPRING / PENALTY), rel=EQUAL)
-    assert "pass through each other" not in said
+    if not contact:
+        assert done.returncode == 4, said
+        assert "LOWER and UPPER lie in one surface or cross at the start" in said
+        return
+    assert done.returncode == 0, said
+    result, _ = solve(run_deck, tmp_path, text)
+    assert result[2][2] == pytest.approx(LOAD / (1 + SPRING / PENALTY), rel=1e-4), "the sheets are a millionth thick"
+
+
+def test_crossing_sheets(run_deck: Run, tmp_path: Path) -> None:
+    """A sheet at 45 degrees goes through a horizontal one: an error, and none if the sheets do not touch."""
+    text = deck("sheet", "sheet").splitlines()
+    first = [i for i, line in enumerate(text) if line == "*NODE"][1]
+    for i in range(first + 1, first + 17):
+        number, x, y, _ = (float(v) for v in text[i].split(","))
+        text[i] = f"{int(number)}, {x}, {y}, {0.4 + x}"
+    crossing = "\n".join(text) + "\n"
+    done = run_deck(crossing)
+    assert done.returncode == 4
+    assert "lie in one surface or cross at the start" in re.sub(r"\s+", " ", done.stderr + done.stdout)
+    rules = "*SURFACE, NAME=A\nLOWER, SPOS\nLOWER, SNEG\n*SURFACE, NAME=B\nUPPER, SPOS\nUPPER, SNEG\n"
+    rules += "*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT EXCLUSIONS\nA, B\n"
+    result, _ = solve(run_deck, tmp_path, crossing.replace("*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n", rules))
+    assert result[1][2] == pytest.approx(-LOAD / SPRING, rel=EQUAL)
 
 
 def test_driven_bodies(run_deck: Run, tmp_path: Path) -> None:
@@ -205,3 +259,17 @@ def test_analytic_surface(run_deck: Run, tmp_path: Path) -> None:
     force = (LOAD - SPRING * GAP) / (1 + SPRING / (100 * YOUNG * 2))
     assert "General contact: 1 pair of 1 meshed bodies" in said, said
     assert result[2][2] == pytest.approx(force, rel=EQUAL)
+
+
+def test_driven_analytic_surface(run_deck: Run, tmp_path: Path) -> None:
+    """Supports prescribe the motion of the plane and of the block: no pair, and the list says so."""
+    text = f"*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, .3\n" + body("LOWER", "solid", 1, 2, 0.0, 1.0, (0.0, 1.0))
+    text += f"*NODE\n900, .5, .5, .5\n901, .5, .5, {1 + GAP}\n*NSET, NSET=BODIES\n900, 901\n"
+    text += "*RIGID BODY, ELSET=LOWER, REF NODE=900\n"
+    text += f"*SURFACE, NAME=TOOL, TYPE=REVOLUTION\n.5, .5, {1 + GAP}, .5, .5, {2 + GAP}\nSTART, 2., 0.\nLINE, 0., 0.\n"
+    text += "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=901\n"
+    text += "*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*STEP\n*STATIC\n*BOUNDARY\n900, 1, 6\n901, 1, 2\n901, 3, 3, -.2\n901, 4, 6\n"
+    text += "*NODE PRINT, NSET=BODIES\nU, RF\n*END STEP\n"
+    result, said = solve(run_deck, tmp_path, text)
+    assert "0 pairs of 1 meshed bodies: no pair of LOWER and TOOL: supports prescribe the motion of both rigid bodies." in said
+    assert result[2][2] == pytest.approx(0, abs=1e-9)

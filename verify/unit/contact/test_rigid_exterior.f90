@@ -1,12 +1,13 @@
-!> Unit test of rigid_exterior: the rigid body of a node, and whether supports drive it.
+!> Unit test of rigid_exterior: the rigid body of a node, whether supports drive it, and which sides of sheets face each other.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_rigid_exterior
+  use amontons_kinds, only: DP, PI
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type
   use amontons_text, only: NEWLINE
   use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, &
-    unpaired_edges_warning
+    unpaired_edges_warning, compare_sheets, SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
   use check, only: suite_type
   implicit none
   character(*), parameter :: CUBES = '*NODE;1, 0, 0, 0;2, 1, 0, 0;3, 1, 1, 0;4, 0, 1, 0;5, 0, 0, 1;6, 1, 0, 1;7, 1, 1, 1;' // &
@@ -25,6 +26,7 @@ program test_rigid_exterior
   call check_solids()
   call check_planes()
   call check_couplings()
+  call check_sheets()
   call suite%finish()
 
 contains
@@ -51,6 +53,32 @@ contains
     call collect(SQUARES // BODIES, '90, 1, 2;90, 6', '91, 1, 2')
     call suite%that('three supports, and two', rigid%is_driven(low) .and. .not. rigid%is_driven(up))
   end subroutine check_planes
+
+
+  !> Two squares of edge 1: parallel, touching along an edge, in one plane, crossing.
+  subroutine check_sheets()
+    call suite%that('above', order(1.0_DP, 0.0_DP, 0.1_DP) == SHEETS_FACE)
+    call suite%that('far sides', order(-1.0_DP, 0.0_DP, 0.1_DP) == SHEETS_BEHIND)
+    call suite%that('in one plane', order(1.0_DP, 0.0_DP, 1.0e-6_DP) == SHEETS_UNDECIDED)
+    call suite%that('on its edge', order(1.0_DP, PI / 3, 0.5_DP * sin(PI / 3)) == SHEETS_FACE)
+    call suite%that('far sides on an edge', order(-1.0_DP, PI / 3, 0.5_DP * sin(PI / 3)) == SHEETS_BEHIND)
+    call suite%that('crossing', order(1.0_DP, PI / 3, 0.3_DP) == SHEETS_UNDECIDED .and. order(-1.0_DP, PI / 3, 0.3_DP) == &
+      SHEETS_UNDECIDED)
+  end subroutine check_sheets
+
+
+  !> The order of a square about the origin and one above it, turned about the y axis, whose normals oppose.
+  integer function order(side, angle, height)
+    real(DP), intent(in) :: side                   !< 1: the sides that face each other, -1: the others
+    real(DP), intent(in) :: angle, height          !< of the second one [rad], [length]
+    real(DP), parameter :: TOL = 2.0e-6_DP         !< two depths of a millionth [length]
+    real(DP), parameter :: X(4) = [-0.5_DP, 0.5_DP, 0.5_DP, -0.5_DP], Y(4) = [-0.5_DP, -0.5_DP, 0.5_DP, 0.5_DP]
+    real(DP) :: low(3, 4), high(3, 4), normals(3, 2)
+    low = transpose(reshape([X, Y, 0 * X], [4, 3]))
+    high = transpose(reshape([X * cos(angle), Y, height + X * sin(angle)], [4, 3]))
+    normals = side * reshape([0.0_DP, 0.0_DP, 1.0_DP, sin(angle), 0.0_DP, -cos(angle)], [3, 2])
+    order = compare_sheets(low, high, normals, TOL)
+  end function order
 
 
   !> A coupling of two directions leaves its nodes a third; a model without rigid bodies has none.
