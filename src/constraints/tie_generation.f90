@@ -4,6 +4,7 @@ module amontons_tie_generation
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, invert, IDENTITY
+  use amontons_text, only: to_text
   use amontons_element_kinds, only: element_kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
   use amontons_tributary_areas, only: integrate_nodal_areas, out_of_plane_depth
   use amontons_loads, only: equation_type, equation_list_type
@@ -250,7 +251,7 @@ contains
   end subroutine add_rotated_equation
 
 
-  !> Couples the reference node to the mean rigid motion of the surface, weighted by area.
+  !> Couples the reference node to the mean rigid motion of the surface, weighted by area, or of the given nodes and weights.
   !!
   !! Mean displacement at the centre c and mean rotation t = inverse(J) sum w r x u, J = sum w (r r 1 - r r'); the reference node
   !! has u = u_c + t x (X - c) and the rotation t. Its forces and moments are thereby distributed over the nodes as w (f +
@@ -266,17 +267,26 @@ contains
     integer, allocatable :: nodes(:), node(:), dof(:)
     integer :: i, k, n
     logical :: is_ok, is_plane
-    nodes = model%surfaces(coupling%surface)%nodes
+    character(:), allocatable :: card
+    card = 'COUPLING'
+    if (coupling%surface == 0) card = 'DISTRIBUTING COUPLING'
+    if (coupling%surface > 0) then
+      nodes = model%surfaces(coupling%surface)%nodes
+      call find_nodal_weights(model%surfaces(coupling%surface), mesh, weight)
+    else
+      nodes = coupling%nodes
+      weight = coupling%weight / sum(coupling%weight)
+    end if
     n = size(nodes)
-    call find_nodal_weights(model%surfaces(coupling%surface), mesh, weight)
     is_plane = all(mesh%is_unstiffened(3, nodes))
     call find_mean_rotation(mesh%coordinates(:, nodes), weight, is_plane, centre, rotation_map, is_ok)
     if (.not. is_ok) then
-      call set_error(error, EXIT_SETUP, 'The nodes of the surface of a *DISTRIBUTING coupling lie on a line; a ' // &
-        'rotation cannot be spread over them.')
-    else if (is_axisymmetric(model, coupling%surface)) then
-      call set_error(error, EXIT_SETUP, 'A *DISTRIBUTING coupling is of a surface of axisymmetric elements, which ' // &
-        'have no mean rigid motion but along their axis; an *EQUATION can bind the mean displacement along it.')
+      call set_error(error, EXIT_SETUP, 'The nodes of a distributing coupling (line ' // to_text(coupling%line) // &
+        ') lie on a line; a rotation cannot be spread over them.')
+    else if (is_axisymmetric(mesh, nodes)) then
+      call set_error(error, EXIT_SETUP, 'A distributing coupling (line ' // to_text(coupling%line) // &
+        ') is of axisymmetric elements, which have no mean rigid motion but along their axis; an *EQUATION can bind the mean ' // &
+        'displacement along it.')
     end if
     if (allocated(error)) return
     arm = mesh%coordinates(:, coupling%reference) - centre
@@ -293,20 +303,24 @@ contains
         if (k <= 3) mean = weight(i) * IDENTITY + rotation_moment_matrix(arm, rotation_map(:, :, i))
         coefficient(3 * i - 1:3 * i + 1) = -matmul(coupling%axes(:, dof(1)), mean)
       end do
-      call equations%add(new_equation(node, dof, coefficient, 'COUPLING', coupling%line))
+      call equations%add(new_equation(node, dof, coefficient, card, coupling%line))
     end do
   end subroutine convert_distributing_coupling
 
 
-  !> Whether a surface has axisymmetric elements.
-  pure logical function is_axisymmetric(model, surface)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: surface
+  !> Whether nodes belong to axisymmetric elements.
+  pure logical function is_axisymmetric(mesh, nodes)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: nodes(:)
     type(element_kind_type) :: kind
-    integer :: i
+    logical :: is_coupled(mesh%n_nodes)
+    integer :: e
+    is_coupled = .false.
+    is_coupled(nodes) = .true.
     is_axisymmetric = .false.
-    do i = 1, size(model%surfaces(surface)%element)
-      kind = element_kind(model%mesh%kind(model%surfaces(surface)%element(i)))
+    do e = 1, mesh%n_elements
+      if (.not. any(is_coupled(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))) cycle
+      kind = element_kind(mesh%kind(e))
       is_axisymmetric = is_axisymmetric .or. kind%family == FAMILY_AXISYMMETRIC
     end do
   end function is_axisymmetric

@@ -428,10 +428,10 @@ contains
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
     call table%option('ORIENTATION', VALUE_NAME, 'Directions at the nodes.')
 
-    call table%card('DISTRIBUTING COUPLING', SCOPE_MODEL, 'Calculix dialect: the displacement of a node is the weighted mean of ' &
-      // &
-      'others; its force spreads over them by their weights.', data='node or node set, weight')
-    call table%option('ELSET', VALUE_NAME, 'Set of one element DCOUP3D, whose node is the one bound.', default='required')
+    call table%card('DISTRIBUTING COUPLING', SCOPE_MODEL, 'A node moves with the weighted mean rigid body motion of others; its ' &
+      // 'force and moment spread over them by their weights. Calculix dialect: the force alone.', data='node or node set, weight')
+    call table%option('ELSET', VALUE_NAME, 'Set of one element DCOUP3D (DCOUP2D), whose node is the one bound.', &
+      default='required')
 
     call table%card('PRE-TENSION SECTION', SCOPE_MODEL, 'Cuts a body open at the faces of a surface; the first ' // &
       'displacement of the pre-tension node is the overlap along the normal, a force on it the pre-tension.', &

@@ -10,7 +10,7 @@ module amontons_deck_couplings
   use amontons_deck_faces, only: find_side_elements
   use amontons_deck_surfaces, only: fill_surface_nodes
   use amontons_deck_ties, only: read_tie, read_tied_pair
-  use amontons_deck_mpc, only: read_mpc, make_rotation_node
+  use amontons_deck_mpc, only: read_mpc, make_rotation_node, read_weighted_coupling
   use amontons_deck_analytic_surfaces, only: attach_profile
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, is_card
@@ -154,6 +154,8 @@ contains
       if (is_card(reader, c, 'RIGIDBODY')) call read_rigid_body(reader, model, c)
       if (is_card(reader, c, 'COUPLING')) call read_coupling(reader, model, c)
       if (is_card(reader, c, 'KINEMATICCOUPLING')) call read_kinematic(reader, model, c)
+      if (is_card(reader, c, 'DISTRIBUTINGCOUPLING') .and. model%dialect /= DIALECT_CALCULIX) call read_weighted_coupling(reader, &
+        model, c)
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
       if (is_card(reader, c, 'CONTACTPAIR')) call read_tied_pair(reader, model, c)
     end do

@@ -710,7 +710,7 @@ contains
           cycle
         end if
         if (draft%kind(first) /= 0) cycle
-        if (reader%dialect == DIALECT_CALCULIX .and. begins_with(type, 'DCOUP3D')) cycle   ! of DISTRIBUTING COUPLING
+        if (begins_with(type, 'DCOUP3D') .or. (type == 'DCOUP2D' .and. reader%dialect /= DIALECT_CALCULIX)) cycle   ! of coupling
         if (reader%dialect == DIALECT_CALCULIX .and. begins_with(type, 'DASHPOT')) then
           call report_note(reader, reader%cards%cards(c)%line, 'Dashpots resist rates, which do not count in a quasi-static ' // &
             'step; they are left out.')
@@ -759,7 +759,7 @@ contains
     if (begins_with(type, 'SAX')) advice = 'The axisymmetric shells are SAX1 and SAX2, in the abaqus dialect (CalculiX has none).'
     if (begins_with(type, 'R')) advice = 'Rigid tools are R3D3, R3D4, in the plane R2D2, RAX2 (abaqus ' // &
       'dialect), or solids in a *RIGID BODY; or *SURFACE, TYPE=SEGMENTS with *RIGID BODY, ANALYTICAL SURFACE.'
-    if (begins_with(type, 'DCOUP3D')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
+    if (begins_with(type, 'DCOUP')) advice = 'Use *COUPLING with *DISTRIBUTING below it, on a surface.'
     if (begins_with(type, 'DASHPOT')) advice = 'Rates do not count in a quasi-static step; leave the dashpots out.'
     if (user_kind_number(type) > 0) advice = 'A user element needs *USER ELEMENT, TYPE=' // type // ' and the routine UEL.'
     if (begins_with(type, 'GAP')) advice = 'Use GAPUNI, or *CONTACT PAIR.'

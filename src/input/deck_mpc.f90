@@ -7,14 +7,15 @@ module amontons_deck_mpc
     check_no_data
   use amontons_model, only: model_type, append_equation, append_mpc, gather_constraints, DIALECT_CALCULIX
   use amontons_structural_data, only: expanded_nodes
-  use amontons_tensor, only: cross_product
+  use amontons_tensor, only: cross_product, IDENTITY
   use amontons_text, only: is_one_of, name_key, to_text, NUMBER_OK, parse_integer
-  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
+  use amontons_mpc_data, only: nonlinear_mpc_type, distributing_coupling_type, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, &
+    MPC_MEAN_ROTATION
   use amontons_card_schema, only: parameter_text
   implicit none
   private
   public :: read_mpc, read_next_mpc, unique_nodes, make_rotation_node
-  public :: read_distributing_couplings
+  public :: read_distributing_couplings, read_weighted_coupling
   public :: read_cyclic_symmetry
 
 contains
@@ -310,63 +311,96 @@ contains
   end subroutine make_rotation_node
 
 
-  !> All DISTRIBUTING COUPLING cards; their equations follow those of the other couplings.
+  !> All DISTRIBUTING COUPLING cards of the calculix dialect: sum w_i u_i = (sum w_i) u of the node of the DCOUP3D element, in
+  !! three directions. The first node of the list is the one eliminated, as in CalculiX. The equations follow those of other
+  !! couplings.
   subroutine read_distributing_couplings(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    integer :: c
+    integer, allocatable :: list(:)
+    real(DP), allocatable :: weights(:)
+    integer :: c, k, reference
+    if (reader%dialect /= DIALECT_CALCULIX) return
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'DISTRIBUTINGCOUPLING')) cycle
-      if (reader%dialect == DIALECT_CALCULIX) then
-        call read_distributing_coupling(reader, model, c)
-      else
-        call report_error(reader, reader%cards%cards(c)%line, 'The card *DISTRIBUTING COUPLING is that of CalculiX, which ' // &
-          'binds no rotation; under the abaqus dialect use *COUPLING with *DISTRIBUTING below it, on a surface.')
-      end if
+      call read_coupling_weights(reader, model, c, reference, list, weights)
+      if (reference == 0) cycle
+      do k = 1, 3
+        call append_equation(model, [list, reference], spread(k, 1, size(list) + 1), [weights, -sum(weights)], &
+          'DISTRIBUTING COUPLING', reader%cards%line_number(reader%cards%cards(c)%line))
+      end do
     end do
     call gather_constraints(model)
   end subroutine read_distributing_couplings
 
 
-  !> One card: sum w_i u_i = (sum w_i) u of the node of the DCOUP3D element, in three directions. The first node of the list
-  !! is the one eliminated, as in CalculiX.
-  subroutine read_distributing_coupling(reader, model, c)
+  !> One DISTRIBUTING COUPLING card of the abaqus dialect: the node of its element moves with the mean rigid body motion of the
+  !! nodes.
+  subroutine read_weighted_coupling(reader, model, c)
     type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(inout) :: model     !< with distributing_couplings
     integer, intent(in) :: c                     !< index of the card
+    type(distributing_coupling_type) :: coupling
+    integer, allocatable :: list(:)
+    real(DP), allocatable :: weights(:)
+    real(DP) :: of_node(model%mesh%n_nodes)
+    integer :: i
+    call read_coupling_weights(reader, model, c, coupling%reference, list, weights)
+    if (coupling%reference == 0) return
+    if (any(list == coupling%reference)) then
+      call report_error(reader, reader%cards%cards(c)%line, 'The node of the element DCOUP3D is itself in the list: give the ' // &
+        'nodes over which its force is spread.')
+      return
+    end if
+    of_node = 0.0_DP
+    do i = 1, size(list)
+      of_node(list(i)) = of_node(list(i)) + weights(i)   ! a node may stand in several lines
+    end do
+    coupling%nodes = pack([(i, i=1, model%mesh%n_nodes)], of_node > 0.0_DP)
+    coupling%weight = of_node(coupling%nodes)
+    call make_rotation_node(model, coupling%reference, coupling%rotation)
+    coupling%axes = IDENTITY
+    coupling%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    model%distributing_couplings = [model%distributing_couplings, coupling]
+  end subroutine read_weighted_coupling
+
+
+  !> The reference node, the nodes and their weights of a DISTRIBUTING COUPLING card. After a reported error the reference node
+  !! is 0.
+  subroutine read_coupling_weights(reader, model, c, reference, list, weights)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(out) :: reference
+    integer, allocatable, intent(out) :: list(:)
+    real(DP), allocatable, intent(out) :: weights(:)
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
-    integer, allocatable :: nodes(:), list(:)
-    real(DP), allocatable :: weights(:)
+    integer, allocatable :: nodes(:)
     real(DP) :: weight
-    integer :: reference, k
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     call find_coupling_node(reader, c, parameter_text(parameters, 'ELSET'), reference)
     if (reference == 0) return
     allocate (list(0), weights(0))
+    is_ok = .true.
     do while (next_row(reader%cards, row))
-      is_ok = .true.
       call check_n_fields(reader, row, 2)
       call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
       call read_real(reader, row, 2, 'weight', weight, is_ok, 0.0_DP)
-      if (.not. is_ok) return
+      if (.not. is_ok) exit
       if (weight <= 0) then
         call report_error(reader, row%line, 'The weight of a node must be positive.')
-        return
+        is_ok = .false.
+        exit
       end if
       list = [list, nodes]
       weights = [weights, spread(weight, 1, size(nodes))]
     end do
-    if (size(list) == 0) then
-      call report_error(reader, reader%cards%cards(c)%line, 'The data are missing: nodes and their weights.')
-      return
-    end if
-    do k = 1, 3
-      call append_equation(model, [list, reference], spread(k, 1, size(list) + 1), [weights, -sum(weights)], &
-        'DISTRIBUTING COUPLING', reader%cards%line_number(reader%cards%cards(c)%line))
-    end do
-  end subroutine read_distributing_coupling
+    if (is_ok .and. size(list) == 0) call report_error(reader, reader%cards%cards(c)%line, 'The data are missing: nodes and ' // &
+      'their weights.')
+    if (.not. is_ok .or. size(list) == 0) reference = 0
+  end subroutine read_coupling_weights
 
 
   !> The node of the one DCOUP3D element of a set; 0 after a reported error.
@@ -386,7 +420,7 @@ contains
     end if
     if (reference == 0) call report_error(reader, reader%cards%cards(c)%line, &
       'The set ''' // name // ''' must hold one element ' // &
-      'of type DCOUP3D, whose node is the reference node.')
+      'of type DCOUP3D (in the plane DCOUP2D), whose node is the reference node.')
   end subroutine find_coupling_node
 
 

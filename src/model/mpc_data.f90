@@ -54,11 +54,13 @@ module amontons_mpc_data
     integer :: line = 0                      !< line of the card in the deck, for messages
   end type tie_type
 
-  !> A distributing coupling: a reference node moves with the mean rigid body motion of a surface.
+  !> A distributing coupling: a reference node moves with the mean rigid body motion of a surface, or of nodes with weights.
   type :: distributing_coupling_type
     integer :: reference = 0
     integer :: rotation = 0                  !< rotation node
-    integer :: surface = 0                   !< index of the surface
+    integer :: surface = 0                   !< index of the surface; 0: nodes and weights are given
+    integer, allocatable :: nodes(:)         !< DISTRIBUTING COUPLING: its nodes
+    real(DP), allocatable :: weight(:)       !< of them, positive [-]
     logical :: is_bound(3) = .true.          !< constrained rotations
     real(DP) :: axes(3, 3) = 0               !< directions of the reference node's degrees of freedom, columns
     integer :: line = 0                      !< line of the card in the deck, for messages

@@ -261,7 +261,70 @@ def test_distributing_of_axisymmetric_faces(run_deck: Run) -> None:
     """They have no mean rigid motion."""
     run = run_deck("** dialect: abaqus\n" + plane_job("distributing", "CAX4"))
     assert run.returncode != 0
-    assert "DISTRIBUTING coupling is of a surface of axisymmetric elements" in run.stdout + run.stderr
+    assert "is of axisymmetric elements" in run.stdout + run.stderr
+
+
+POINTS = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0], [1.0, 1.0, 2.0]])
+PLACE = np.array([1.0, 2.0, 3.0])  # of the reference node
+
+
+def test_weights_of_a_distributing_coupling(run_deck: Run, tmp_path: Path) -> None:
+    """Force F and moment M on a DCOUP3D element go to nodes on springs as w (F + J^-1 m x r): together they are F and M about the
+    node. It moves with the weighted mean rigid body motion of the nodes; a weight in two lines counts twice."""
+    stiffness, force, moment = 100.0, np.array([1.0, -2.0, 3.0]), np.array([4.0, 5.0, -6.0])
+    weight = np.array([1.0, 2.0, 3.0, 4.0]) / 10
+    deck = "*NODE, NSET=ALL\n" + "".join(f"{i + 1}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(POINTS)) + "9, 1., 2., 3.\n"
+    for k in range(3):
+        deck += f"*ELEMENT, TYPE=SPRING1, ELSET=S{k}\n" + "".join(f"{10 * k + i}, {i}\n" for i in range(1, 5)) + f"*SPRING, ELSET=S{k}\n{k + 1}\n{stiffness}\n"
+    deck += "*ELEMENT, TYPE=DCOUP3D, ELSET=D\n99, 9\n*DISTRIBUTING COUPLING, ELSET=D\n1, 1.\n2, 2.\n3, 3.\n4, 1.\n4, 3.\n"
+    loads = "".join(f"9, {k + 1}, {value}\n" for k, value in enumerate([*force, *moment]))
+    run = run_deck(f"** dialect: abaqus\n{deck}*STEP\n*STATIC\n{TIGHT}*CLOAD\n{loads}{PRINT.replace('SHOWN', 'ALL')}*END STEP\n")
+    assert run.returncode == 0, run.stdout + run.stderr
+    centre = weight @ POINTS
+    arms = POINTS - centre
+    inertia = sum(w * (r @ r * np.eye(3) - np.outer(r, r)) for w, r in zip(weight, arms, strict=True))
+    turn = np.linalg.solve(inertia, moment + np.cross(PLACE - centre, force))
+    parts = weight[:, None] * (force + np.cross(turn, arms))
+    assert parts.sum(axis=0) == pytest.approx(force)
+    assert np.cross(POINTS - PLACE, parts).sum(axis=0) == pytest.approx(moment)
+    u = parts / stiffness
+    rotation = np.linalg.solve(inertia, (weight[:, None] * np.cross(arms, u)).sum(axis=0))
+    shown = read_rows(tmp_path, "displacements")
+    scale = np.abs(u).max()
+    for i in range(4):
+        assert shown[i + 1][:3] == pytest.approx(u[i], abs=TOLERANCE * scale)
+    assert shown[9][:3] == pytest.approx(weight @ u + np.cross(rotation, PLACE - centre), abs=10 * TOLERANCE * scale)
+
+
+@pytest.mark.parametrize("is_plane", [False, True])
+def test_distributing_coupling_of_an_element(run_deck: Run, tmp_path: Path, *, is_plane: bool) -> None:
+    """With the weights of the area *DISTRIBUTING COUPLING is *COUPLING with *DISTRIBUTING: the same numbers to the last digit."""
+    couplings = ["*COUPLING, REF NODE=90, SURFACE=UP, CONSTRAINT NAME=C\n*DISTRIBUTING\n"]
+    if is_plane:
+        couplings = [IN_THE_PLANE["distributing"], "*ELEMENT, TYPE=DCOUP2D, ELSET=D\n99, 9\n*DISTRIBUTING COUPLING, ELSET=D\nTOP, 1.\n"]
+        decks = [plane_job("distributing", "CPE4").replace(couplings[0], coupling) for coupling in couplings]
+    else:
+        couplings.append("*ELEMENT, TYPE=DCOUP3D, ELSET=D\n99, 90\n*DISTRIBUTING COUPLING, ELSET=D\nTOP, 0.7\n")
+        loads = "*BOUNDARY\nBOTTOM, 1, 3\n*CLOAD\n90, 3, 4.\n90, 1, 2.\n90, 6, 1.\n"
+        decks = [job("*NODE, NSET=ALL\n90, 2.5, .5, 1.\n" + coupling, loads) for coupling in couplings]
+    shown = []
+    for deck in decks:
+        done = run_deck("** dialect: abaqus\n" + deck)
+        assert done.returncode == 0, done.stdout + done.stderr
+        shown.append(read_rows(tmp_path, "displacements"))
+    assert shown[0] == shown[1]
+
+
+@pytest.mark.parametrize(("rows", "message"), [
+    ("1, 1.\n2, 1.\n", "lie on a line"),
+    ("TOP, 1.\n90, 1.\n", "is itself in the list"),
+])  # fmt: skip
+def test_refused_distributing_coupling(run_deck: Run, rows: str, message: str) -> None:
+    """Nodes on a line carry no moment about it; a node does not follow itself."""
+    coupling = f"*NODE, NSET=ALL\n90, 2.5, .5, 1.\n*ELEMENT, TYPE=DCOUP3D, ELSET=D\n99, 90\n*DISTRIBUTING COUPLING, ELSET=D\n{rows}"
+    done = run_deck("** dialect: abaqus\n" + job(coupling, "*BOUNDARY\nBOTTOM, 1, 3\n"))
+    assert done.returncode in (3, 4)
+    assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
 def test_tie(run_deck: Run, tmp_path: Path) -> None:

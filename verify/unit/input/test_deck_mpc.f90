@@ -103,7 +103,8 @@ contains
   end subroutine check_mean_rotation
 
 
-  !> DISTRIBUTING COUPLING: sum of w u = (sum of w) u of the reference node; the first of the list is eliminated.
+  !> DISTRIBUTING COUPLING: sum of w u = (sum of w) u of the reference node; the first of the list is eliminated. Under the abaqus
+  !! dialect a distributing coupling of nodes with weights.
   subroutine check_distribution()
     type(model_type) :: model
     character(*), parameter :: POINT = '*ELEMENT, TYPE=DCOUP3D, ELSET=D;50,11;'
@@ -116,7 +117,13 @@ contains
     call expect_message(POINT // '*DISTRIBUTING COUPLING, ELSET=D;TWO,0.;', 'must be positive', DIALECT_CALCULIX)
     call expect_message(POINT // '*DISTRIBUTING COUPLING, ELSET=D;', 'data are missing', DIALECT_CALCULIX)
     call expect_message('*DISTRIBUTING COUPLING, ELSET=E;TWO,1.;', 'one element of type DCOUP3D', DIALECT_CALCULIX)
-    call expect_message('*DISTRIBUTING COUPLING, ELSET=E;TWO,1.;', 'that of CalculiX', DIALECT_ABAQUS)
+    call expect_read(POINT // '*DISTRIBUTING COUPLING, ELSET=D;TWO,2.;5,3.;7,1.;', model, DIALECT_ABAQUS)
+    associate (coupling => model%distributing_couplings(1))
+      call suite%that('nodes and rotation', all(coupling%nodes == [5, 7, 8]) .and. coupling%reference == 11 .and. &
+        coupling%rotation > 0 .and. all(coupling%is_bound))
+      call suite%near('their weights', maxval(abs(coupling%weight - [3.0_DP, 3.0_DP, 2.0_DP])), 0.0_DP, 0.0_DP)
+    end associate
+    call expect_message(POINT // '*DISTRIBUTING COUPLING, ELSET=D;11,1.;', 'is itself in the list', DIALECT_ABAQUS)
   end subroutine check_distribution
 
 
