@@ -149,7 +149,8 @@ contains
     call table%card('DEPVAR', SCOPE_MODEL, 'Number of variables that UMAT or USDFLD keeps at each point (STATEV), zero at the ' // &
       'start unless INITIAL CONDITIONS, TYPE=SOLUTION says otherwise.', parent='MATERIAL', &
       data='number; further lines that name the variables are passed over')
-    call table%option('DELETE', VALUE_TEXT, 'Elements are the same in all steps.', status=ENTRY_REJECTED)
+    call table%option('DELETE', VALUE_TEXT, 'Elements do not vanish within a step: let the routine return zero stress with a ' // &
+      'small stiffness there, or remove elements from a step on with *MODEL CHANGE.', status=ENTRY_REJECTED)
   end subroutine describe_user
 
 
@@ -192,7 +193,8 @@ contains
       '.dat file.')
     call table%option('CONTROLS|STACK DIRECTION|LAYUP|OFFSET|NODAL THICKNESS', VALUE_TEXT, &
       'The elements are chosen by their type alone.', status=ENTRY_IGNORED)
-    call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here.', status=ENTRY_REJECTED)
+    call table%option('COMPOSITE|SYMMETRIC', VALUE_TEXT, 'Layered solids do not exist here: give each layer elements of its ' // &
+      'own, or use shells with *SHELL SECTION, COMPOSITE.', status=ENTRY_REJECTED)
     call table%option('REF NODE', VALUE_TEXT, 'Generalised plane strain does not exist here.', status=ENTRY_REJECTED)
     call describe_structural_sections(table)
     call table%card('SPRING', SCOPE_MODEL, 'Gives springs their constant, or with NONLINEAR their force over the elongation.', &

@@ -353,13 +353,15 @@ contains
   end subroutine check_word
 
 
-  !> Reports missing required parameters.
+  !> Reports missing required parameters. A refused parameter may stand in place of one: then its message is enough.
   subroutine check_required(entry, parameters, line, messages)
     type(card_entry_type), intent(in) :: entry
     type(parameter_type), intent(in) :: parameters(:)
     integer, intent(in) :: line
     type(deck_messages_type), intent(inout) :: messages
     integer :: i
+    if (any([(entry%options(i)%status == ENTRY_REJECTED .and. has_parameter(parameters, entry%options(i)%name), &
+      i=1, entry%n_options)])) return
     do i = 1, entry%n_options
       associate (option => entry%options(i))
         if (option%default /= 'required') cycle

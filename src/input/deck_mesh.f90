@@ -403,6 +403,10 @@ contains
         if (material == 0 .and. has_parameter(parameters, 'MATERIAL')) call report_error(reader, line, &
           'There is no material ''' // &
           parameter_text(parameters, 'MATERIAL') // '''' // reader%materials%suggest(parameter_text(parameters, 'MATERIAL')))
+        if (has_parameter(parameters, 'COMPOSITE')) then   ! refused: neither material nor layers are missing
+          if (set > 0) call assign_material(reader, c, model%mesh%element_sets(set)%members, 0, 1.0_DP, draft)
+          cycle
+        end if
         thickness = 1
         if (next_row(reader%cards, row)) then
           is_thick = .true.

@@ -237,3 +237,13 @@ def test_explanation_of_what_is_refused(run_deck: Run) -> None:
     assert done.returncode == 3
     assert "TYPE=S99: refused, see the error below." in done.stdout
     assert "ELSET=E: used." in done.stdout
+
+
+def test_layered_solids_are_refused_once(run_deck: Run) -> None:
+    """*SOLID SECTION, COMPOSITE: neither the material nor the lines of its layers are errors of their own."""
+    layered = CUBE.replace("*SOLID SECTION, ELSET=E, MATERIAL=M\n", "*SOLID SECTION, ELSET=E, COMPOSITE\n0.5, 1, M\n0.5, 1, M\n")
+    done = run_deck(layered + BOUNDARY + STEP + LOAD + "*END STEP\n")
+    text = " ".join((done.stdout + done.stderr).split())
+    assert done.returncode == 3
+    assert "The deck has 1 error " in text
+    assert "give each layer elements of its own" in text
