@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 from verify.conftest import Run
 from verify.independent.results import read_field, read_history
@@ -78,6 +79,58 @@ def read_tip(path: Path) -> np.ndarray:
     at_tip = np.abs(points[:, :2] - [LENGTH, 0]).max(axis=1) < 1e-9
     assert at_tip.any()
     return read_field(path, "U")[-1][at_tip][0, :2]
+
+
+def elastica_with_dead_load(follower: float, dead: float) -> np.ndarray:
+    """Tip displacement under a follower force and one along y, both by P L^2/(E I). The force in the beam is constant, and known with
+    the angle of the tip: EI phi'' = -(F_y cos(phi) - F_x sin(phi)), from the tip back to the clamp, where phi = 0 gives that angle.
+    """
+    def back(tip: float) -> np.ndarray:
+        f_x, f_y = -follower * np.sin(tip) / LENGTH**2, (follower * np.cos(tip) + dead) / LENGTH**2
+        path = solve_ivp(lambda _, y: [y[1], -(f_y * np.cos(y[0]) - f_x * np.sin(y[0])), np.cos(y[0]), np.sin(y[0])], (0, LENGTH), [tip, 0, 0, 0], rtol=1e-10, atol=1e-12)
+        return path.y[:, -1]
+
+    tip = brentq(lambda angle: back(angle)[0], 0.3, 2.5)
+    return back(tip)[2:] - [LENGTH, 0]
+
+
+@pytest.mark.parametrize("kind", ["B32", "S4R", "C3D8I"])
+def test_a_dead_load_beside_a_follower_force(kind: str, run_deck: Run, tmp_path: Path) -> None:
+    """On the same node and degree of freedom: one turns with the node, the other one keeps its direction."""
+    follower, dead = 3.0, 2.0
+    deck = cantilever(kind, follower)
+    turned = deck[deck.index("*CLOAD, FOLLOWER\n") : deck.index("*END STEP")]
+    both = turned + turned.replace(", FOLLOWER", "").replace(turned.split()[-1], str(float(turned.split()[-1]) * dead / follower))
+    result = run_deck(deck.replace(turned, both))
+    assert result.returncode == 0, result.stdout + result.stderr
+    tip, reference = read_tip(tmp_path / "job.vtkhdf"), elastica_with_dead_load(follower, dead)
+    assert np.abs(tip - reference).max() <= 0.004 * LENGTH, (tip, reference)
+    for one in (follower + dead, 0.0):  # it differs from both loads alike
+        other = elastica_with_dead_load(one, follower + dead - one)
+        assert np.abs(tip - other).max() > 0.02 * LENGTH
+
+
+def test_loads_of_a_node_that_is_turned(run_deck: Run, tmp_path: Path) -> None:
+    """A rigid body on two springs, turned by 60 degrees about z: a follower force F and a dead load Q along x give
+    k u = (Q + F cos(60), F sin(60)). A later step changes the dead load alone; OP=NEW removes both."""
+    stiffness, follower, dead = 50.0, 4.0, 3.0
+    cube = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    deck = "*NODE\n" + "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in enumerate(cube, 1)) + "90, 2., 0., 0.\n"
+    deck += "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n*SOLID SECTION, ELSET=E, MATERIAL=M\n"
+    deck += "*RIGID BODY, ELSET=E, REF NODE=90\n"
+    for k in (1, 2):
+        deck += f"*ELEMENT, TYPE=SPRING1, ELSET=S{k}\n{10 + k}, 90\n*SPRING, ELSET=S{k}\n{k}\n{stiffness}\n"
+    deck += f"*STEP, NLGEOM\n*STATIC\n0.25, 1.\n*BOUNDARY\n90, 3, 5\n90, 6, 6, {np.pi / 3}\n*CLOAD, FOLLOWER\n90, 1, {follower}\n*CLOAD\n90, 1, {dead}\n"
+    shown = "*NSET, NSET=REFERENCE\n90\n*NODE PRINT, NSET=REFERENCE\nU\n*END STEP\n"
+    deck += shown + f"*STEP, NLGEOM\n*STATIC\n*CLOAD\n90, 1, {-dead}\n*END STEP\n"
+    deck += "*STEP, NLGEOM\n*STATIC\n*CLOAD, OP=NEW\n*END STEP\n"
+    result = run_deck(deck)
+    assert result.returncode == 0, result.stdout + result.stderr
+    rows = [line.split() for line in (tmp_path / "job.dat").read_text().splitlines() if line.split()[:1] == ["90"]]
+    u = np.array([[float(word) for word in row[1:3]] for row in rows]) * stiffness
+    turned = follower * np.array([np.cos(np.pi / 3), np.sin(np.pi / 3)])
+    for row, expected in ((3, turned + [dead, 0]), (-2, turned - [dead, 0]), (-1, np.zeros(2))):
+        assert u[row] == pytest.approx(expected, abs=1e-5 * follower)
 
 
 def test_iterations_of_an_exact_tangent(run_deck: Run, tmp_path: Path) -> None:
