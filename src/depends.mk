@@ -103,7 +103,7 @@ uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces 
 uses_deck_faces = containers element_kinds mesh deck_reader
 uses_deck_surfaces = kinds text containers element_kinds loads user_routines mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
 uses_deck_contact = kinds text element_kinds mesh surfaces steps model cards card_schema deck_reader deck_surfaces
-uses_deck_general_contact = kinds text surfaces model cards card_schema deck_reader deck_structure
+uses_deck_general_contact = kinds text element_kinds surfaces model cards card_schema deck_reader deck_structure
 uses_deck_ties = kinds text mpc_data model cards card_schema deck_reader
 uses_deck_mpc = kinds text tensor mpc_data structural_data model cards card_schema deck_reader
 uses_deck_couplings = kinds text tensor element_kinds mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_ties deck_mpc
@@ -167,7 +167,7 @@ uses_user_element_forces = kinds user_routines steps user_elements model state a
 uses_constraints = kinds errors sparse
 uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly_plan constraints
 uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
-uses_tie_generation = kinds errors tensor element_kinds loads mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
+uses_tie_generation = kinds text errors tensor element_kinds loads mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
 uses_body_motion = kinds loads mesh model
@@ -177,15 +177,17 @@ uses_shared_slave_nodes = kinds containers facets slave_node_overrides state
 uses_contact_pairs = kinds errors tensor sparse analytic_profiles controls element_kinds surfaces steps model facets analytic_master contact_constraint_rows exterior_surface facet_search surface_projection self_contact_visibility tributary_areas friction_slip_scenarios slave_node_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes
 uses_first_touch = kinds model contact_constraint_rows state contact_pairs
 uses_contact_evaluation = kinds sparse surfaces model facets contact_constraint_rows friction_slip_scenarios pressure_overclosure slave_node_equilibrium slave_node_overrides state slave_nodes user_contact shared_slave_nodes contact_pairs first_touch
+uses_contact_heights = kinds model deck_structure exterior_surface
 uses_contact_initialization = kinds containers errors element_kinds surfaces model facets contact_constraint_rows facet_search surface_projection tributary_areas slave_node_overrides mortar state slave_nodes shared_slave_nodes contact_pairs
 uses_contact_integration_points = kinds element_kinds model shape_functions facets contact_constraint_rows facet_search face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives row_normals mortar mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds containers errors tensor sparse woodbury_interface contact_linearization
 uses_dependent_slaves = kinds text errors surfaces model elasticity tributary_areas constraints nonlinear_mpc
 uses_rigid_exterior = kinds text element_kinds mpc_data model
-uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search mortar_segmentation body_motion shared_slave_nodes contact_pairs rigid_exterior
+uses_face_proximity = kinds facets exterior_surface mortar_segmentation contact_pairs rigid_exterior
+uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search mortar_segmentation body_motion shared_slave_nodes contact_pairs contact_heights rigid_exterior face_proximity
 uses_self_contact_pairs = kinds text element_kinds materials surfaces model exterior_surface mortar_segmentation body_motion general_contact
-uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs general_contact self_contact_pairs
+uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs face_proximity general_contact self_contact_pairs
 
 # equilibrium
 uses_arc_length = kinds steps model state
@@ -208,7 +210,7 @@ uses_motion_rows = kinds containers column_singletons sparse_null_space
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state stabilization contact_pairs model_check_bodies model_check_contact motion_rows rigid_modes
 uses_balanced_bodies = kinds text tensor loads model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion
-uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search general_contact model_check_bodies
+uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search face_proximity general_contact model_check_bodies
 uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear

@@ -249,13 +249,14 @@ contains
   end function uses_fixed_geometry
 
 
-  !> Start of the job: CLEARANCE prescribes the gap of a pair; the gap of a tied node is zero.
+  !> Start of the job: CLEARANCE prescribes the gap of a pair; the gap of a tied node is zero; surfaces before their faces are
+  !! nearer by their height.
   subroutine initialize_slave(contact, model, slave)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(inout) :: slave
     slave%is_initialized = .true.
-    slave%clearance = 0.0_DP
+    slave%clearance = -model%pairs(slave%pair)%height
     if (slave%facet == 0) return
     if (model%pairs(slave%pair)%has_clearance) slave%clearance = model%pairs(slave%pair)%clearance - slave%gap
     if (contact%laws(slave%pair)%behavior == BEHAVIOR_TIED .and. slave%slave_facet == 0) slave%clearance = -slave%gap

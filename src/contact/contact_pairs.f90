@@ -188,7 +188,7 @@ contains
     if (allocated(facets%profile)) return
     if (model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) then
       facets%max_depth = MAX_DEPTH_SHARE * common_depth(depths_below(model%mesh, facets), facets%edge_length, &
-        model%pairs(p)%slave_depth)
+        model%pairs(p)%slave_depth) + max(0.0_DP, -model%pairs(p)%height)
       return
     end if
     call measure_thickness(facets, model%mesh%coordinates, SEARCH_RADIUS_RATIO * edge, thickness)

@@ -17,24 +17,26 @@ module amontons_general_contact
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
   use amontons_body_motion, only: estimate_motion
-  use amontons_exterior_surface, only: exterior_type, build_exterior, common_depth, is_thin
+  use amontons_contact_heights, only: assign_heights
+  use amontons_exterior_surface, only: exterior_type, build_exterior, is_thin
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
-  use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
+  use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO
+  use amontons_face_proximity, only: are_near, compare_faces, box_distance, find_active_faces, list_facets, exterior_positions
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
   use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, &
-    unpaired_edges_warning, compare_sheets, SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
+    unpaired_edges_warning, SHEETS_FACE, SHEETS_UNDECIDED
   implicit none
   private
   public :: general_pairs_type, find_general_pairs, near_faces_type, find_near_faces
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
-  public :: are_near, list_facets, exterior_positions, body_name, is_rigid_sheet
+  public :: body_name, is_rigid_sheet
   public :: TOUCHING_RADIUS, collect_face_data, find_interaction, make_surface
 
-  real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
+  real(DP), parameter :: TOL_HEIGHT = 1.0e-12_DP           !< of equal heights, over the edge: rounding [-]
   real(DP), parameter :: DISTINCT_STIFFNESS_RATIO = 1.5_DP !< bodies with a smaller ratio of their moduli are alike [-]
   real(DP), parameter :: DISTINCT_MESH_RATIO = 1.1_DP      !< the same for the mean edges [-]
 
@@ -66,6 +68,8 @@ module amontons_general_contact
     integer, allocatable :: excluded(:, :)         !< (2, :) surfaces that do not touch: exclusions, ties, given pairs
     integer, allocatable :: group(:)               !< (n) number of patch and surfaces: faces of a group follow the same rules
     integer :: n_groups = 0
+    integer, allocatable :: height_class(:)        !< (n) number of the height
+    integer :: n_heights = 0                       !< different ones
     integer, allocatable :: member(:)              !< (n_groups) a face of the group
   end type face_data_type
 
@@ -128,6 +132,7 @@ contains
     else
       call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
     end if
+    call assign_heights(model, exterior)
   end subroutine build_model_exterior
 
 
@@ -245,14 +250,15 @@ contains
   end subroutine collect_memberships
 
 
-  !> Numbers the groups: faces of one patch in the same surfaces.
+  !> Numbers the groups: faces of one patch in the same surfaces with the same height.
   subroutine number_groups(exterior, data)
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(inout) :: data
     integer, allocatable :: number(:)
     integer :: k, f, key
-    data%group = exterior%patch
-    data%n_groups = exterior%n_patches
+    call number_heights(exterior, data)
+    data%group = (exterior%patch - 1) * data%n_heights + data%height_class
+    data%n_groups = exterior%n_patches * data%n_heights
     do k = 0, size(data%is_in, 2)
       allocate (number(0:2 * data%n_groups + 1), source=0)
       data%n_groups = 0
@@ -273,6 +279,25 @@ contains
       data%member(data%group(f)) = f
     end do
   end subroutine number_groups
+
+
+  !> Numbers the different heights of the faces. Cost: faces times heights, which are few.
+  subroutine number_heights(exterior, data)
+    type(exterior_type), intent(in) :: exterior
+    type(face_data_type), intent(inout) :: data
+    real(DP) :: known(exterior%n)                  !< [length]
+    integer :: f, k
+    allocate (data%height_class(exterior%n))
+    data%n_heights = 0
+    do f = 1, exterior%n
+      do k = 1, data%n_heights
+        if (abs(known(k) - exterior%height(f)) <= TOL_HEIGHT * exterior%edge_length(f)) exit
+      end do
+      data%height_class(f) = k
+      if (k > data%n_heights) known(k) = exterior%height(f)
+      data%n_heights = max(data%n_heights, k)
+    end do
+  end subroutine number_heights
 
 
   !> The interaction of the faces of two groups; 0: they do not touch. A group 0 stands for an analytic surface.
@@ -326,18 +351,19 @@ contains
     type(facet_search_type) :: search
     logical, allocatable :: is_active(:)
     integer, allocatable :: list(:), active(:), seen(:)
-    real(DP) :: largest_edge, near_motion
+    real(DP) :: largest_edge, near_motion, height
     logical :: can_move
     integer :: i, j, k, n, f, g
     if (exterior%n == 0) return
     largest_edge = maxval(exterior%edge_length)
     near_motion = merge(motion, 0.0_DP, motion <= SEARCH_RADIUS_RATIO * largest_edge)
-    call find_active_faces(exterior, SEARCH_RADIUS_RATIO * largest_edge + motion, is_active)
+    height = 2 * max(0.0_DP, maxval(exterior%height))
+    call find_active_faces(exterior, SEARCH_RADIUS_RATIO * largest_edge + motion + height, is_active)
     active = pack([(f, f=1, exterior%n)], is_active)
     if (size(active) == 0) return
     call list_facets(size(active), facets)
-    call build_facet_search(facets, exterior_positions(exterior, active), (SEARCH_RADIUS_RATIO + 1) * largest_edge + near_motion, &
-      search)
+    call build_facet_search(facets, exterior_positions(exterior, active), (SEARCH_RADIUS_RATIO + 1) * largest_edge + near_motion &
+      + height, search)
     allocate (seen(data%n_groups), source=0)
     do i = 1, size(active)
       f = active(i)
@@ -364,100 +390,6 @@ contains
     end do
     if (motion > near_motion) call add_reachable_faces(rules, exterior, data, active, motion, near)
   end subroutine find_near_faces
-
-
-  !> The faces whose box, widened by a distance, meets the box of another body.
-  subroutine find_active_faces(exterior, distance, is_active)
-    type(exterior_type), intent(in) :: exterior
-    real(DP), intent(in) :: distance               !< [length]
-    logical, allocatable, intent(out) :: is_active(:)   !< (n)
-    real(DP) :: box(3, 2, exterior%n_bodies)
-    integer :: f, b
-    box(:, 1, :) = huge(1.0_DP)
-    box(:, 2, :) = -huge(1.0_DP)
-    do f = 1, exterior%n
-      b = exterior%body(f)
-      box(:, 1, b) = min(box(:, 1, b), exterior%box(:, 1, f))
-      box(:, 2, b) = max(box(:, 2, b), exterior%box(:, 2, f))
-    end do
-    allocate (is_active(exterior%n), source=.false.)
-    do f = 1, exterior%n
-      do b = 1, exterior%n_bodies
-        if (b == exterior%body(f)) cycle
-        is_active(f) = is_active(f) .or. box_distance(exterior%box(:, :, f), box(:, :, b)) <= distance
-      end do
-    end do
-  end subroutine find_active_faces
-
-
-  !> The distance between two boxes [length].
-  pure real(DP) function box_distance(a, b) result(distance)
-    real(DP), intent(in) :: a(3, 2), b(3, 2)       !< lower and upper corner [length]
-    distance = norm2(max(0.0_DP, a(:, 1) - b(:, 2), b(:, 1) - a(:, 2)))
-  end function box_distance
-
-
-  !> Facets for the search: two nodes of each, which are numbered anew (`exterior_positions`).
-  pure subroutine list_facets(n, facets)
-    integer, intent(in) :: n                       !< faces
-    type(facets_type), intent(out) :: facets
-    integer :: i
-    facets%n = n
-    facets%first = [(2 * i - 1, i=1, facets%n + 1)]
-    facets%nodes = [(i, i=1, 2 * facets%n)]
-  end subroutine list_facets
-
-
-  !> The corners of the boxes of some faces, as the positions of two nodes for each.
-  pure function exterior_positions(exterior, faces) result(x)
-    type(exterior_type), intent(in) :: exterior
-    integer, intent(in) :: faces(:)
-    real(DP) :: x(3, 2 * size(faces))              !< [length]
-    x = reshape(exterior%box(:, :, faces), [3, 2 * size(faces)])
-  end function exterior_positions
-
-
-  !> Whether two faces of different bodies are near each other.
-  pure logical function are_near(exterior, f, m, radius, motion)
-    type(exterior_type), intent(in) :: exterior
-    integer, intent(in) :: f, m                    !< faces
-    real(DP), intent(in) :: radius                 !< over the edge [-]
-    real(DP), intent(in) :: motion                 !< [length]
-    real(DP) :: between(3), lateral, front, cosine, depth
-    are_near = .false.
-    cosine = dot_product(exterior%normal(:, f), exterior%normal(:, m))
-    if (cosine > -MIN_FACING_COSINE) return
-    if (box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > motion + radius &
-      * max(exterior%edge_length(f), exterior%edge_length(m))) return
-    between = exterior%centre(:, m) - exterior%centre(:, f)
-    front = min(dot_product(between, exterior%normal(:, f)), -dot_product(between, exterior%normal(:, m)))
-    lateral = norm2(between - dot_product(between, exterior%normal(:, f)) * exterior%normal(:, f))
-    if (lateral > MAX_LATERAL_OFFSET * (exterior%edge_length(f) + exterior%edge_length(m)) + motion) return
-    if (all(is_thin(exterior%depth([f, m]), exterior%edge_length([f, m])))) then
-      are_near = compare_faces(exterior, f, m) /= SHEETS_BEHIND
-      return
-    end if
-    if (cosine > -0.5_DP) front = front + lateral * sqrt(1 - cosine**2)   ! inclined: the centres do not show which is in front
-    depth = min(common_depth(exterior%depth(f), exterior%edge_length(f), exterior%depth(m)), &
-      common_depth(exterior%depth(m), exterior%edge_length(m), exterior%depth(f)))
-    are_near = front >= -MAX_DEPTH_SHARE * depth - motion
-  end function are_near
-
-
-  !> Whether two faces without depth face each other (`compare_sheets`); faces of bodies with a depth do. Faces apart, each of which
-  !! reaches through the plane of the other, do not.
-  pure integer function compare_faces(exterior, f, m) result(order)
-    type(exterior_type), intent(in) :: exterior
-    integer, intent(in) :: f, m                    !< faces
-    order = SHEETS_FACE
-    if (.not. all(is_thin(exterior%depth([f, m]), exterior%edge_length([f, m])))) return
-    associate (first => exterior%first([f, m]), last => exterior%first([f, m]) + exterior%n_corners([f, m]) - 1)
-      order = compare_sheets(exterior%x(:, exterior%nodes(first(1):last(1))), exterior%x(:, exterior%nodes(first(2):last(2))), &
-        exterior%normal(:, [f, m]), sum(exterior%depth([f, m])))
-    end associate
-    if (order == SHEETS_UNDECIDED .and. box_distance(exterior%box(:, :, f), exterior%box(:, :, m)) > &
-      sum(exterior%depth([f, m]))) order = SHEETS_BEHIND
-  end function compare_faces
 
 
   !> The faces of groups that can meet somewhere on a long way: groups of different bodies with opposing normals, and of them the
@@ -532,7 +464,7 @@ contains
       if (.not. allocated(model%surfaces(s)%profile)) cycle
       do f = 1, exterior%n
         if (find_interaction(model%general_contact, data, data%group(f), 0, s) == 0) cycle
-        reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + motion
+        reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + motion + max(0.0_DP, exterior%height(f))
         if (motion <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
           call build_profile_facets(model%surfaces(s)%profile, exterior%edge_length(f), facets)
           call find_profile_projection(facets, model%mesh%coordinates, exterior%centre(:, f), reach, projection)
@@ -689,21 +621,25 @@ contains
     logical, intent(out) :: is_slave
     integer :: patch, other, interaction, m, reason
     integer(I64) :: n_others, n_rules
+    integer :: heights                             ! of both faces as one number, that of the slave first
     if (partner > data%n_groups) then
       is_slave = .true.
       patch = exterior%n_patches + exterior%body(f)   ! a profile needs no patches: it acts on nodes
       other = exterior%n_bodies + partner - data%n_groups
       interaction = find_interaction(rules, data, data%group(f), 0, partner - data%n_groups)
+      heights = data%height_class(f) - 1
     else
       m = data%member(partner)
       call choose_slave(rules, exterior, data, sides, [f, m], is_slave, reason)
       patch = exterior%patch(merge(f, m, is_slave))
       other = exterior%body(merge(m, f, is_slave))
       interaction = find_interaction(rules, data, data%group(f), partner, 0)
+      heights = data%height_class(merge(f, m, is_slave)) - 1 + data%n_heights * (data%height_class(merge(m, f, is_slave)) - 1)
     end if
     n_others = int(exterior%n_bodies + size(data%column_of), I64)
     n_rules = int(size(rules%assigned, 2) + 1, I64)
     key = (int(patch, I64) * n_others + int(other, I64)) * n_rules + int(findloc(rules%assigned(3, :), interaction, dim=1), I64)
+    key = key * int(data%n_heights**2, I64) + int(heights, I64)
   end subroutine find_pair_key
 
 
@@ -729,6 +665,8 @@ contains
     end if
     pair%is_general = .true.
     pair%is_mortar = model%general_contact%is_mortar .and. .not. has_profile
+    pair%height = exterior%height(slaves(1))
+    if (.not. has_profile) pair%height = pair%height + exterior%height(masters(1))
     g = data%group(slaves(1))
     call make_surface(model, exterior, data, slaves, slave)
     slave%name = body_name(model, exterior, exterior%body(slaves(1)))
@@ -751,11 +689,26 @@ contains
       call choose_slave(model%general_contact, exterior, data, sides, [slaves(1), masters(1)], is_slave, reason)
     end if
     pair%name = slave%name // ' / ' // master%name
+    call check_height(exterior, pair, slaves, found%obstacle)
     found%pairs = [found%pairs, pair]
     text = text // NEWLINE // '  slave ' // slave%name // ' (' // plural(size(slave%face), 'face') // '), master ' // master%name
     if (.not. has_profile) text = text // ' (' // plural(size(master%face), 'face') // ')'
     text = text // ', interaction ' // model%interactions(pair%interaction)%name // ': ' // trim(REASON_WORDS(reason)) // '.'
   end subroutine append_pair
+
+
+  !> Whether the search of contact pairs reaches beyond their heights: an obstacle if not.
+  subroutine check_height(exterior, pair, slaves, obstacle)
+    type(exterior_type), intent(in) :: exterior
+    type(contact_pair_type), intent(in) :: pair
+    integer, intent(in) :: slaves(:)               !< faces
+    character(:), allocatable, intent(inout) :: obstacle
+    if (pair%height <= 0.5_DP * SEARCH_RADIUS_RATIO * minval(exterior%edge_length(slaves))) return
+    if (obstacle /= '') obstacle = obstacle // NEWLINE
+    obstacle = obstacle // 'General contact: *SURFACE PROPERTY ASSIGNMENT lifts the surfaces of ' // pair%name // ' by ' // &
+      to_text(pair%height) // ' above their faces, more than ' // to_text(0.5_DP * SEARCH_RADIUS_RATIO) // ' of the edges of ' // &
+      'their elements: contact is not searched that far. Take a smaller thickness or larger elements.'
+  end subroutine check_height
 
 
   !> Whether a face is that of a rigid element, which has two sides and no depth.

@@ -134,15 +134,22 @@ contains
     type(contact_pair_type) :: pair
     type(surface_type) :: surface
     character(:), allocatable :: obstacle
+    logical :: is_lifted
     integer :: law
     law = interaction(findloc(interaction > 0, .true., dim=1))
     call make_surface(model, exterior, data, pack(own, interaction == law), surface)
     surface%name = body_name(model, exterior, exterior%body(own(1))) // '#SELF'
+    is_lifted = any(abs(exterior%height(pack(own, interaction == law))) > 0.0_DP)
     where (interaction == law) interaction = 0
     text = text // NEWLINE // '  ' // surface%name // ' (' // plural(size(surface%face), 'face') // ')'
     obstacle = self_contact_obstacle(model, surface%element, law)
     if (obstacle /= '') then
       text = text // ' may touch itself, but has no pair for that: ' // obstacle
+      return
+    end if
+    if (is_lifted) then
+      text = text // ' may touch itself, but has no pair for that: its faces have another thickness or place by *SURFACE ' // &
+        'PROPERTY ASSIGNMENT. Name two surfaces with *CONTACT PAIR, or leave them out of the assignment.'
       return
     end if
     found%surfaces = [found%surfaces, surface]

@@ -15,7 +15,8 @@ module amontons_unpaired_contact
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
   use amontons_body_motion, only: estimate_motion, displacement_span
   use amontons_general_contact, only: face_data_type, near_faces_type, build_model_exterior, collect_face_data, &
-    find_near_faces, find_interaction, body_name, list_facets, exterior_positions, TOUCHING_RADIUS, is_rigid_sheet
+    find_near_faces, find_interaction, body_name, TOUCHING_RADIUS, is_rigid_sheet
+  use amontons_face_proximity, only: list_facets, exterior_positions
   use amontons_self_contact_pairs, only: body_thickness, self_contact_obstacle, FOLD_RATIO
   implicit none
   private
@@ -155,7 +156,7 @@ contains
     if (dot_product(now%normal(:, f), now%normal(:, m)) > -MIN_FACING_COSINE) return
     edge = max(now%edge_length(f), now%edge_length(m))
     between = now%centre(:, m) - now%centre(:, f)
-    front = min(dot_product(between, now%normal(:, f)), -dot_product(between, now%normal(:, m)))
+    front = min(dot_product(between, now%normal(:, f)), -dot_product(between, now%normal(:, m))) - now%height(f) - now%height(m)
     if (front > max(0.0_DP, dot_product(motion, now%normal(:, f)))) return
     if (front < -MAX_DEPTH_SHARE * min(now%depth(f), now%depth(m))) return
     if (norm2(between - dot_product(between, now%normal(:, f)) * now%normal(:, f)) > 0.5_DP * edge) return

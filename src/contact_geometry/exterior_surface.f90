@@ -39,6 +39,7 @@ module amontons_exterior_surface
     real(DP), allocatable :: edge_length(:)        !< (n) of the longest edge [length]
     real(DP), allocatable :: area(:)               !< (n) [length^2]; of an edge of a plane element its length
     real(DP), allocatable :: depth(:)              !< (n) of the element below the face [length]
+    real(DP), allocatable :: height(:)             !< (n) of the surface in contact above the face; 0 from `build_exterior` [length]
     real(DP), allocatable :: x(:, :)               !< (3, n_nodes) coordinates, if a face is thin (`is_thin`) [length]
   end type exterior_type
 
@@ -60,6 +61,7 @@ contains
     call find_exterior_faces(mesh, is_absent, same_node, exterior)
     call find_bodies(mesh, is_absent, same_node, exterior)
     call measure_faces(mesh, mesh%coordinates, exterior)
+    allocate (exterior%height(exterior%n), source=0.0_DP)
     call find_patches(same_node, exterior)
   end subroutine build_exterior
 

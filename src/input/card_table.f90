@@ -264,9 +264,9 @@ contains
     call table%option('TYPE', VALUE_WORD, 'What is given.', default='required', allowed='MASTER SLAVE ROLES|MAIN SECONDARY ROLES')
     call table%reject_words('EDGE TO EDGE|PURE MASTER-SLAVE|PURE MAIN-SECONDARY', 'Faces touch faces, and of two ' // &
       'surfaces one is the slave: write MASTER SLAVE ROLES.')
-    call table%card('SURFACE PROPERTY ASSIGNMENT', SCOPE_MODEL, 'Thickness and place of surfaces: those of solids lie where ' // &
-      'the mesh is, those of shells where *SHELL SECTION puts them.', parent='CONTACT', &
-      data='surface, ORIGINAL; for THICKNESS also THINNING; of solids also SPOS, SNEG or 0.')
+    call table%card('SURFACE PROPERTY ASSIGNMENT', SCOPE_MODEL, 'Thickness and place of shells in general contact; solids ' // &
+      'lie where the mesh is.', parent='CONTACT', data='surface (none: all), ORIGINAL, or for THICKNESS: THINNING or a ' // &
+      'thickness, factor; for OFFSET FRACTION: SPOS, SNEG or -0.5 to 0.5; of solids ORIGINAL or 0.')
     call table%option('PROPERTY', VALUE_WORD, 'What is given. FEATURE EDGE CRITERIA and GEOMETRIC CORRECTION have no effect: ' // &
       'Amontons defines edges and normals itself.', default='required', &
       allowed='THICKNESS|OFFSET FRACTION|FEATURE EDGE CRITERIA|GEOMETRIC CORRECTION')

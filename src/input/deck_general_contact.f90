@@ -7,8 +7,9 @@ module amontons_deck_general_contact
   use amontons_deck_reader, only: reader_type, open_card, report_error, check_n_fields, is_card
   use amontons_deck_structure, only: is_shell
   use amontons_model, only: model_type
-  use amontons_surfaces, only: interaction_type, general_contact_type
-  use amontons_text, only: is_one_of, name_key, parse_real, NUMBER_OK
+  use amontons_element_kinds, only: is_two_sided
+  use amontons_surfaces, only: interaction_type, general_contact_type, shell_property_type
+  use amontons_text, only: is_one_of, name_key, parse_real, to_text, NUMBER_OK
   implicit none
   private
   public :: read_general_contact
@@ -25,6 +26,7 @@ contains
     type(interaction_type) :: default
     integer :: c, n, line
     if (.not. any([(is_card(reader, c, 'CONTACT'), c=1, reader%cards%n_cards)])) return
+    allocate (rules%properties(0))
     allocate (rules%included(2, 0), rules%excluded(2, 0), rules%assigned(3, 0), rules%roles(2, 0))
     default%name = DEFAULT_INTERACTION
     model%interactions = [model%interactions, default]
@@ -46,7 +48,7 @@ contains
       else if (is_card(reader, c, 'CONTACTFORMULATION')) then
         call read_roles(reader, model, c, rules)
       else if (is_card(reader, c, 'SURFACEPROPERTYASSIGNMENT')) then
-        call read_surface_properties(reader, model, c)
+        call read_surface_properties(reader, model, c, rules%properties)
       end if
     end do
     if (n == 0) call report_error(reader, line, '*CONTACT says nothing without *CONTACT INCLUSIONS: give it with ALL ' // &
@@ -171,11 +173,14 @@ contains
   end subroutine read_roles
 
 
-  !> SURFACE PROPERTY ASSIGNMENT: the faces of solids lie where the mesh is; another place is refused.
-  subroutine read_surface_properties(reader, model, c)
+  !> SURFACE PROPERTY ASSIGNMENT: thickness and place of shells. The faces of solids lie where the mesh is; another place is
+  !! refused.
+  subroutine read_surface_properties(reader, model, c, properties)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
     integer, intent(in) :: c
+    type(shell_property_type), allocatable, intent(inout) :: properties(:)
+    type(shell_property_type) :: item
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: word, property
@@ -188,7 +193,10 @@ contains
       if (.not. (is_ok .and. is_one_of(property, 'THICKNESS|OFFSETFRACTION'))) cycle
       word = name_key(field_text(reader%cards, row, 2))
       if (has_shells(model, surface)) then
-        call check_shell_property(reader, row, property)
+        item = shell_property_type(surface=surface, is_place=property == 'OFFSETFRACTION')
+        call read_shell_property(reader, row, item)
+        call check_sections(reader, model, row, item)
+        properties = [properties, item]
       else if (.not. (word == '' .or. is_one_of(word, 'ORIGINAL|THINNING|SPOS|SNEG') .or. is_value(word, 0.0_DP))) then
         call report_error(reader, row%line, 'The second field is ''' // field_text(reader%cards, row, 2) // '''. The faces of ' // &
           'solids have no thickness and lie where the mesh is: ORIGINAL or 0. is allowed. Move the nodes, or give the pair a ' // &
@@ -198,22 +206,64 @@ contains
   end subroutine read_surface_properties
 
 
-  !> Shells touch with the faces of their section: their thickness is that of the section, and so is its place.
-  subroutine check_shell_property(reader, row, property)
+  !> The second and third field: ORIGINAL, a thickness and its factor, or a place.
+  subroutine read_shell_property(reader, row, item)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
-    character(*), intent(in) :: property         !< THICKNESS or OFFSETFRACTION
+    type(shell_property_type), intent(inout) :: item   !< in: its surface and property
     character(:), allocatable :: word, factor
-    logical :: is_original
+    integer :: status
     word = name_key(field_text(reader%cards, row, 2))
     factor = field_text(reader%cards, row, 3)
-    is_original = word == '' .or. word == 'ORIGINAL'
-    if (property == 'THICKNESS') is_original = (is_original .or. word == 'THINNING') .and. &
-      (factor == '' .or. is_value(factor, 1.0_DP))
-    if (.not. is_original) call report_error(reader, row%line, 'The fields are ''' // trim(field_text(reader%cards, row, 2) // &
-      ' ' // factor) // '''. Shells touch with the faces that their *SHELL SECTION gives them: ORIGINAL is allowed. Change ' // &
-      'thickness or OFFSET there, or give a pair a *CLEARANCE.')
-  end subroutine check_shell_property
+    item%is_original = word == '' .or. word == 'ORIGINAL' .or. (word == 'THINNING' .and. .not. item%is_place)
+    status = NUMBER_OK
+    if (item%is_place .and. word == 'SPOS') then
+      item%value = 0.5_DP
+    else if (item%is_place .and. word == 'SNEG') then
+      item%value = -0.5_DP
+    else if (.not. item%is_original) then
+      call parse_real(field_text(reader%cards, row, 2), item%value, status)
+    end if
+    if (item%is_place) then
+      if (status == NUMBER_OK .and. abs(item%value) <= 0.5_DP .and. factor == '') return
+      call report_error(reader, row%line, 'The fields are ''' // trim(field_text(reader%cards, row, 2) // ' ' // factor) // &
+        '''. The place of the nodes of a shell over its thickness, from the middle along its normal, is ORIGINAL, SPOS (0.5), ' // &
+        'SNEG (-0.5), or a number from -0.5 to 0.5.')
+      return
+    end if
+    if (status == NUMBER_OK .and. factor /= '') call parse_real(factor, item%factor, status)
+    if (status == NUMBER_OK .and. item%value >= 0.0_DP .and. item%factor > 0.0_DP) return
+    call report_error(reader, row%line, 'The fields are ''' // trim(field_text(reader%cards, row, 2) // ' ' // factor) // &
+      '''. The thickness of a shell is ORIGINAL, THINNING, or a number that is not negative; its factor is positive.')
+  end subroutine read_shell_property
+
+
+  !> Membranes are not in general contact, and NODAL THICKNESS varies over the faces: both have no other thickness or place.
+  subroutine check_sections(reader, model, row, item)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    type(shell_property_type), intent(in) :: item
+    integer, allocatable :: elements(:)
+    integer :: i, e
+    if (item%is_original .and. abs(item%factor - 1.0_DP) <= 0.0_DP) return
+    elements = [(i, i=1, model%mesh%n_elements)]
+    if (item%surface > 0) elements = model%surfaces(item%surface)%element
+    do i = 1, size(elements)
+      e = elements(i)
+      if (.not. is_shell(model, e)) cycle
+      if (is_two_sided(model%mesh%kind(e))) then
+        call report_error(reader, row%line, 'General contact does not find membranes, as element ' // &
+          to_text(model%mesh%element_label(e)) // ': they have no other thickness or place there. Leave them out of the ' // &
+          'surface.')
+        return
+      end if
+      if (.not. model%structure%sections(model%structure%section(e))%has_nodal_thickness) cycle
+      call report_error(reader, row%line, 'Element ' // to_text(model%mesh%element_label(e)) // ' has a NODAL THICKNESS, ' // &
+        'which varies over its faces: for it ORIGINAL is allowed.')
+      return
+    end do
+  end subroutine check_sections
 
 
   !> Whether a surface, or the whole exterior, has faces of shells.

@@ -5,8 +5,8 @@ module amontons_surfaces
   use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: surface_type, interaction_type, contact_pair_type, general_contact_type, is_compliant, is_self_contact, &
-    pair_interactions
+  public :: surface_type, interaction_type, contact_pair_type, general_contact_type, shell_property_type, is_compliant, &
+    is_self_contact, pair_interactions
   public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, &
     NO_SHEAR_LIMIT
 
@@ -68,7 +68,17 @@ module amontons_surfaces
     character(:), allocatable :: name           !< 'slave / master', for messages
     logical :: is_general = .false.             !< found by general contact: its surfaces may be apart and turn away from each other
     real(DP) :: slave_depth = 0                 !< of it: the least depth of the elements below the slave faces [length]
+    real(DP) :: height = 0                      !< of it: how far both surfaces stand before their faces, together [length]
   end type contact_pair_type
+
+  !> SURFACE PROPERTY ASSIGNMENT: the thickness of shells in general contact, or their place.
+  type :: shell_property_type
+    integer :: surface = 0                      !< 0: the whole exterior
+    logical :: is_place = .false.               !< the place, else the thickness
+    logical :: is_original = .true.             !< that of the section
+    real(DP) :: value = 0                       !< thickness [length]; position of the nodes over it, from the middle [-]
+    real(DP) :: factor = 1                      !< of the thickness [-]
+  end type shell_property_type
 
   !> General contact: which faces of the exterior may touch, and by which interaction. The surface 0 is the whole exterior. Of
   !! several assignments that hold for two faces the last one counts.
@@ -77,6 +87,7 @@ module amontons_surfaces
     integer, allocatable :: excluded(:, :)      !< (2, :) surfaces that do not
     integer, allocatable :: assigned(:, :)      !< (3, :) two surfaces and the index of their interaction
     integer, allocatable :: roles(:, :)         !< (2, :) slave and master surface, where the deck says so
+    type(shell_property_type), allocatable :: properties(:)   !< in the order of the deck
     logical :: is_mortar = .true.               !< its pairs are surface to surface
     real(DP) :: reach = -1                      !< REACH: how far bodies move in the job; negative: it is estimated [length]
     integer :: line = 0                         !< line of the card in the deck, for messages

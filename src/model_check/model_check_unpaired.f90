@@ -18,7 +18,8 @@ module amontons_model_check_unpaired
   use amontons_facets, only: facets_type
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_general_contact, only: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, &
-    compare_sides, are_near, list_facets, exterior_positions, body_name, TOUCHING_RADIUS
+    compare_sides, body_name, TOUCHING_RADIUS
+  use amontons_face_proximity, only: are_near, list_facets, exterior_positions
   use amontons_model_check_bodies, only: report_warning
   implicit none
   private

@@ -105,43 +105,89 @@ def shell_over_shell(cards: str) -> str:
     return material + deck + "*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n" + cards + "*STEP\n*STATIC\n*END STEP\n"
 
 
-@pytest.mark.parametrize(("row", "is_allowed"), [
-    ("THICKNESS\n, ORIGINAL", True),
-    ("THICKNESS\nUP_FACE, THINNING, 1.", True),
-    ("OFFSET FRACTION\n, ORIGINAL", True),
-    ("THICKNESS\n, ORIGINAL, 0.5", False),
-    ("THICKNESS\nUP_FACE, 0.", False),
-    ("THICKNESS\nUP_FACE, 0.1", False),
-    ("OFFSET FRACTION\nUP_FACE, SPOS", False),
+PLACES = "The place of the nodes of a shell over its thickness"
+THICKNESSES = "The thickness of a shell is ORIGINAL, THINNING, or a number that is not negative"
+
+
+@pytest.mark.parametrize(("row", "message"), [
+    ("THICKNESS\nUP_FACE, THINNING, 1.", ""),
+    ("OFFSET FRACTION\n, ORIGINAL", ""),
+    ("THICKNESS\n, -0.1", THICKNESSES),
+    ("THICKNESS\n, 0.1, 0.", THICKNESSES),
+    ("THICKNESS\n, SPOS", THICKNESSES),
+    ("OFFSET FRACTION\n, 0.6", PLACES),
+    ("OFFSET FRACTION\n, THINNING", PLACES),
+    ("OFFSET FRACTION\n, SPOS, 2.", PLACES),
+    ("THICKNESS\n, 9.", "lifts the surfaces of"),
 ])  # fmt: skip
-def test_thickness_of_shells(run_deck: Run, row: str, is_allowed: bool) -> None:
-    """Shells touch with the faces of their section: another thickness or place is an error, not read past."""
+def test_properties_of_shells(run_deck: Run, row: str, message: str) -> None:
+    """What *SURFACE PROPERTY ASSIGNMENT allows for shells; a thickness beyond the search of contact is an error."""
     done = run_deck(shell_over_shell(f"*SURFACE PROPERTY ASSIGNMENT, PROPERTY={row}\n"), "--check")
     text = re.sub(r"\s+", " ", done.stdout + done.stderr)
-    assert (done.returncode == 0) is is_allowed, text
-    assert ("Shells touch with the faces that their *SHELL SECTION gives them" in text) is not is_allowed
+    assert (done.returncode == 0) is (message == ""), text
+    assert message in text
 
 
-@pytest.mark.parametrize("roles", ["LOW_FACE, UP_FACE, SLAVE", "UP_FACE, LOW_FACE, SLAVE", "held"])
-def test_shells_on_each_other(run_deck: Run, tmp_path: Path, roles: str) -> None:
-    """Two plates of S4, whose nodes are moved until their faces overlap by d = 0.05, are squeezed: the energy E (d/t)^2 t of both
-    gives the force 2 E d/t, whichever face is the slave; with the rotations of the lower plate held it is rigid, and takes part as
-    before (its thickness stays free)."""
-    n, thick, gap, young = 4, 0.2, 0.3, 1000.0
-    deck = f"*MATERIAL, NAME=M\n*ELASTIC\n{young}, 0.\n"
-    for name, first, height, side in (("LOW", 1, 0.0, "SPOS"), ("UP", 101, gap, "SNEG")):
+def test_properties_of_other_elements(run_deck: Run) -> None:
+    """NODAL THICKNESS varies over the faces; general contact does not find membranes."""
+    assignment = "*SURFACE PROPERTY ASSIGNMENT, PROPERTY=THICKNESS\nUP_FACE, 0.3\n"
+    for before, after, message in (
+        ("*SHELL SECTION, ELSET=UP", "*NODAL THICKNESS\nUP_NODES, 0.2\n*SHELL SECTION, NODAL THICKNESS, ELSET=UP", "has a NODAL THICKNESS"),
+        ("TYPE=S4, ELSET=UP", "TYPE=M3D4, ELSET=UP", "does not find membranes"),
+    ):
+        text = shell_over_shell(assignment).replace(before, after)
+        if "M3D4" in after:
+            text = text.replace("*SHELL SECTION, ELSET=UP", "*MEMBRANE SECTION, ELSET=UP")
+        done = run_deck(text, "--check")
+        assert done.returncode == 3
+        assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
+def force_of_plates(run_deck: Run, folder: Path, way: float, cards: str, *, is_held: bool = False) -> float:
+    """The force between two plates of S4, 0.2 thick, whose nodes are 0.3 apart, when those of the upper move down."""
+    n = 4
+    deck = "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
+    for name, first, height, side in (("LOW", 1, 0.0, "SPOS"), ("UP", 101, 0.3, "SNEG")):
         deck += "*NODE\n" + "".join(f"{first + i + (n + 1) * j}, {i / n}, {j / n}, {height}\n" for j in range(n + 1) for i in range(n + 1))
         corners = [(first + i + (n + 1) * j, first + i + (n + 1) * j + 1, first + i + (n + 1) * (j + 1) + 1, first + i + (n + 1) * (j + 1))
                    for j in range(n) for i in range(n)]  # fmt: skip
         deck += f"*ELEMENT, TYPE=S4, ELSET={name}\n" + "".join(f"{first + k}, {a}, {b}, {c}, {d}\n" for k, (a, b, c, d) in enumerate(corners))
-        deck += f"*SHELL SECTION, ELSET={name}, MATERIAL=M\n{thick}\n*SURFACE, NAME={name}_FACE\n{name}, {side}\n"
-        last = 6 if roles == "held" and name == "LOW" else 3
+        deck += f"*SHELL SECTION, ELSET={name}, MATERIAL=M\n0.2\n*SURFACE, NAME={name}_FACE\n{name}, {side}\n"
+        last = 6 if is_held and name == "LOW" else 3
         deck += f"*NSET, NSET={name}_NODES, GENERATE\n{first}, {first + (n + 1) ** 2 - 1}\n*BOUNDARY\n{name}_NODES, 1, {last}\n"
-    deck += "*CONTACT\n*CONTACT INCLUSIONS\nUP_FACE, LOW_FACE\n"
-    if roles != "held":
-        deck += f"*CONTACT FORMULATION, TYPE=MASTER SLAVE ROLES\n{roles}\n"
-    deck += f"*STEP\n*STATIC\n.1, 1.\n*BOUNDARY\nUP_NODES, 3, 3, {-(gap - thick + 0.05)}\n*NODE PRINT, NSET=LOW_NODES, TOTALS=ONLY\nRF\n*END STEP\n"
-    done = run_deck(deck)
+    deck += f"*CONTACT\n*CONTACT INCLUSIONS\nUP_FACE, LOW_FACE\n{cards}*STEP\n*STATIC\n.1, 1.\n*BOUNDARY\nUP_NODES, 3, 3, {-way}\n"
+    done = run_deck(deck + "*NODE PRINT, NSET=LOW_NODES, TOTALS=ONLY\nRF\n*END STEP\n")
     assert done.returncode == 0, done.stdout + done.stderr
-    force = float((tmp_path / "job.dat").read_text().split()[-1])
-    assert force == pytest.approx(2 * young * 0.05 / thick, rel=1e-6)
+    return float((folder / "job.dat").read_text().split()[-1])
+
+
+@pytest.mark.parametrize("roles", ["LOW_FACE, UP_FACE, SLAVE", "UP_FACE, LOW_FACE, SLAVE", "held"])
+def test_shells_on_each_other(run_deck: Run, tmp_path: Path, roles: str) -> None:
+    """Two plates, whose nodes are moved until their faces overlap by d = 0.05, are squeezed: the energy E (d/t)^2 t of both gives the
+    force 2 E d/t, whichever face is the slave; with the rotations of the lower plate held it is rigid, and takes part as before
+    (its thickness stays free)."""
+    cards = "" if roles == "held" else f"*CONTACT FORMULATION, TYPE=MASTER SLAVE ROLES\n{roles}\n"
+    force = force_of_plates(run_deck, tmp_path, 0.3 - 0.2 + 0.05, cards, is_held=roles == "held")
+    assert force == pytest.approx(2 * 1000 * 0.05 / 0.2, rel=1e-6)
+
+
+@pytest.mark.parametrize(("rows", "height"), [
+    ("THICKNESS\n, 0.26", 0.06),
+    ("THICKNESS\n, 0.1", -0.1),
+    ("THICKNESS\n, 0.", -0.2),
+    ("THICKNESS\nUP_FACE, 0.24, 0.5\nLOW_FACE, ORIGINAL, 1.2", -0.04 + 0.02),
+    ("THICKNESS\n, 0.5\n, THINNING", 0.0),
+    ("OFFSET FRACTION\nUP_FACE, SPOS", 0.1),
+    ("OFFSET FRACTION\nLOW_FACE, SPOS", -0.1),
+    ("OFFSET FRACTION\n, -0.25", 0.0),
+    ("OFFSET FRACTION\nLOW_FACE, -0.2\n*SURFACE PROPERTY ASSIGNMENT, PROPERTY=THICKNESS\nLOW_FACE, 0.1", 0.07 - 0.1),
+])  # fmt: skip
+@pytest.mark.parametrize("contact_type", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+def test_assigned_thickness(run_deck: Run, tmp_path: Path, rows: str, height: float, contact_type: str) -> None:
+    """The same with surfaces that the assignment puts before the faces: of thickness t and place a at t (1/2 - a) from the nodes on the
+    side SPOS, at t (1/2 + a) on the other one."""
+    cards = f"*SURFACE PROPERTY ASSIGNMENT, PROPERTY={rows}\n"
+    deck_of = run_deck if contact_type == "SURFACE TO SURFACE" else lambda deck: run_deck(deck.replace("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n"))
+    force = force_of_plates(deck_of, tmp_path, 0.3 - 0.2 - height + 0.05, cards)
+    assert force == pytest.approx(2 * 1000 * 0.05 / 0.2, rel=1e-6)
+

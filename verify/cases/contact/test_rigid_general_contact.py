@@ -142,6 +142,22 @@ def test_sheets(run_deck: Run, tmp_path: Path, supports: str, contact: str, *, i
 
 
 @pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize(("rows", "height"), [
+    ("THICKNESS\n, 0.06", 0.06),
+    ("THICKNESS\n, 0.06\nA, 0.02", 0.04),
+    ("THICKNESS\n, 0.06\n*SURFACE PROPERTY ASSIGNMENT, PROPERTY=OFFSET FRACTION\nB, SNEG", 0.09),
+])  # fmt: skip
+def test_thick_sheets(run_deck: Run, tmp_path: Path, rows: str, height: float, *, is_nlgeom: bool) -> None:
+    """Rigid elements with an assigned thickness and place meet that much earlier."""
+    contact = "*SURFACE, NAME=A\nUPPER, SNEG\n*SURFACE, NAME=B\nLOWER, SPOS\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+    contact += f"*SURFACE PROPERTY ASSIGNMENT, PROPERTY={rows}\n"
+    result, _ = solve(run_deck, tmp_path, deck("sheet", "sheet", contact, is_nlgeom=is_nlgeom))
+    force = (LOAD - SPRING * (GAP - height)) / (1 + SPRING / PENALTY)
+    assert result[2][2] == pytest.approx(force, rel=EQUAL)
+    assert result[1][2] == pytest.approx(-(LOAD - force) / SPRING, rel=EQUAL)
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
 def test_inclined_sheets(run_deck: Run, tmp_path: Path, *, is_nlgeom: bool) -> None:
     """The lower sheet is inclined by 1 to 5. Guided vertically, the upper one comes down on it with its edge at x = 1, and the force
     is normal to the lower face: of its vertical part a fifth goes across."""

@@ -38,6 +38,10 @@ program test_self_contact_pairs
   call find(horseshoe(5.0_DP) // GENERAL(:8) // ', REACH=2.' // GENERAL(9:) // last_step(', NLGEOM'))
   call suite%that('a body that folds: all its faces', size(found%pairs) == 1)
   if (size(found%pairs) == 1) call suite%that('every exterior face', size(found%surfaces(1)%face) == 12)
+  call find('*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;*ELEMENT, TYPE=S4, ELSET=E;1,1,2,3,4;*MATERIAL, NAME=A;*ELASTIC;4000., 0.3;' // &
+    '*SHELL SECTION, ELSET=E, MATERIAL=A;0.2;' // GENERAL(:8) // ', REACH=2.' // GENERAL(9:) // &
+    '*SURFACE PROPERTY ASSIGNMENT, PROPERTY=THICKNESS;, 0.5;*STEP, NLGEOM;*STATIC;*END STEP;')
+  call suite%that('another thickness', size(found%pairs) == 0 .and. index(text, 'another thickness or place') > 0)
   call suite%finish()
 
 contains
