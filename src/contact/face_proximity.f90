@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_face_proximity
   use amontons_kinds, only: DP
-  use amontons_exterior_surface, only: exterior_type, common_depth, is_thin
+  use amontons_exterior_surface, only: exterior_type, common_depth, is_thin, has_area
   use amontons_facets, only: facets_type
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: MAX_DEPTH_SHARE
@@ -15,7 +15,7 @@ module amontons_face_proximity
 
 contains
 
-  !> The faces whose box, widened by a distance, meets the box of another body.
+  !> The faces with an area whose box, widened by a distance, meets the box of another body.
   subroutine find_active_faces(exterior, distance, is_active)
     type(exterior_type), intent(in) :: exterior
     real(DP), intent(in) :: distance               !< [length]
@@ -35,6 +35,7 @@ contains
         if (b == exterior%body(f)) cycle
         is_active(f) = is_active(f) .or. box_distance(exterior%box(:, :, f), box(:, :, b)) <= distance
       end do
+      is_active(f) = is_active(f) .and. has_area(exterior%n_corners(f), exterior%area(f), exterior%edge_length(f))
     end do
   end subroutine find_active_faces
 

@@ -18,7 +18,7 @@ module amontons_general_contact
   use amontons_model, only: model_type, absent_elements
   use amontons_body_motion, only: estimate_motion
   use amontons_contact_heights, only: assign_heights
-  use amontons_exterior_surface, only: exterior_type, build_exterior, is_thin
+  use amontons_exterior_surface, only: exterior_type, build_exterior, is_thin, has_area
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -463,6 +463,7 @@ contains
     do s = 1, size(model%surfaces)
       if (.not. allocated(model%surfaces(s)%profile)) cycle
       do f = 1, exterior%n
+        if (.not. has_area(exterior%n_corners(f), exterior%area(f), exterior%edge_length(f))) cycle
         if (find_interaction(model%general_contact, data, data%group(f), 0, s) == 0) cycle
         reach = SEARCH_RADIUS_RATIO * exterior%edge_length(f) + motion + max(0.0_DP, exterior%height(f))
         if (motion <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
@@ -661,7 +662,8 @@ contains
     if (size(masters) == 0 .and. .not. has_profile) return
     pair%slave_depth = minval(exterior%depth(slaves))
     if (.not. has_profile) then                    ! two sheets: the sides that face each other at the start, to half an edge
-      if (all(is_rigid_sheet(exterior, data, [slaves(1), masters(1)]))) pair%slave_depth = minval(exterior%edge_length(slaves))
+      if (any(is_rigid_sheet(exterior, data, slaves)) .and. any(is_rigid_sheet(exterior, data, masters))) pair%slave_depth = &
+        minval(exterior%edge_length(slaves))
     end if
     pair%is_general = .true.
     pair%is_mortar = model%general_contact%is_mortar .and. .not. has_profile

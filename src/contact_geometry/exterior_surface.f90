@@ -15,7 +15,7 @@ module amontons_exterior_surface
   use amontons_facets, only: facets_type, facet_nodes, n_facet_corners
   implicit none
   private
-  public :: exterior_type, build_exterior, measure_faces, depths_below, common_depth, is_thin
+  public :: exterior_type, build_exterior, measure_faces, depths_below, common_depth, is_thin, has_area
 
   real(DP), parameter :: FEATURE_ANGLE = PI / 4            !< a sharper edge is a crease [rad]
   integer, parameter :: MAX_FACE_CORNERS = 4
@@ -263,6 +263,15 @@ contains
     real(DP), intent(in) :: edge                   !< longest of the face [length]
     is_thin = depth < THIN_RATIO * edge
   end function is_thin
+
+
+  !> Whether a face has an area worth the name. The edges of rigid elements have none: they touch nothing.
+  elemental logical function has_area(n_corners, area, edge)
+    integer, intent(in) :: n_corners               !< 2: an edge of a plane element, which has
+    real(DP), intent(in) :: area                   !< [length^2]
+    real(DP), intent(in) :: edge                   !< longest of the face [length]
+    has_area = n_corners == 2 .or. area >= THIN_RATIO * edge**2
+  end function has_area
 
 
   !> How deep a slave may lie behind a face and see it: the depth of the face; of a thin one half the depth of the slave, which

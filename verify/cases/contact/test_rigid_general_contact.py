@@ -129,7 +129,7 @@ PAIR += "*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE\nUNDERSIDE, TOP\n
 
 
 @pytest.mark.parametrize("is_nlgeom", [False, True])
-@pytest.mark.parametrize("contact", ["", PAIR])
+@pytest.mark.parametrize("contact", ["", PAIR, "*CONTACT, REACH=3.\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"])
 @pytest.mark.parametrize("supports", [HELD, ON_SPRING])
 def test_sheets(run_deck: Run, tmp_path: Path, supports: str, contact: str, *, is_nlgeom: bool) -> None:
     """Two bodies of rigid elements meet with the sides that face each other at the start, as with the pair by hand."""
@@ -138,7 +138,7 @@ def test_sheets(run_deck: Run, tmp_path: Path, supports: str, contact: str, *, i
     assert result[1][2] == pytest.approx(-(LOAD - force) / SPRING, rel=EQUAL)
     if supports == ON_SPRING:
         assert result[0][2] == pytest.approx(-force / FOOT, rel=EQUAL)
-    assert f"General contact: {0 if contact else 1} pair{'s' if contact else ''} of 2 meshed bodies" in said
+    assert f"General contact: {'0 pairs' if contact == PAIR else '1 pair'} of 2 meshed bodies" in said, "far sides and edges make none"
 
 
 @pytest.mark.parametrize("is_nlgeom", [False, True])

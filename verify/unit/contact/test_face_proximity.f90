@@ -36,6 +36,7 @@ contains
     exterior%normal = side * reshape([0.0_DP, 0.0_DP, 1.0_DP, 0.0_DP, 0.0_DP, -1.0_DP], [3, 2])
     exterior%box = reshape([exterior%x(:, 1), exterior%x(:, 3), exterior%x(:, 5), exterior%x(:, 7)], [3, 2, 2])
     exterior%edge_length = [1.0_DP, 1.0_DP]
+    exterior%area = [1.0_DP, 1.0_DP]
     exterior%depth = [depth, depth]
     exterior%height = [0.0_DP, 0.0_DP]
   end function two_squares
@@ -88,6 +89,9 @@ contains
     call suite%that('too far', .not. any(is_active))
     call find_active_faces(squares, 5.1_DP, is_active)
     call suite%that('within', all(is_active))
+    squares%area(1) = 1.0e-6_DP
+    call find_active_faces(squares, 5.1_DP, is_active)
+    call suite%that('without area', .not. is_active(1) .and. is_active(2))
     call list_facets(2, facets)
     call suite%that('two nodes each', facets%n == 2 .and. all(facets%first == [1, 3, 5]))
     call suite%that('corners of boxes', all(abs(exterior_positions(squares, [2]) - squares%box(:, :, 2)) <= 0.0_DP))
