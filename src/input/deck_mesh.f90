@@ -697,7 +697,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: type
     logical, allocatable :: is_solid(:)
-    integer :: c, i, n_dropped
+    integer :: c, i, k, n_dropped
     logical :: is_left
     allocate (is_solid(0:mesh%n_nodes), source=.false.)
     do i = 1, size(mesh%nodes)
@@ -714,7 +714,12 @@ contains
           cycle
         end if
         if (draft%kind(first) /= 0) cycle
-        if (begins_with(type, 'DCOUP3D') .or. (type == 'DCOUP2D' .and. reader%dialect /= DIALECT_CALCULIX)) cycle   ! of coupling
+        if (begins_with(type, 'DCOUP3D') .or. (type == 'DCOUP2D' .and. reader%dialect /= DIALECT_CALCULIX)) then
+          if (reader%dialect /= DIALECT_CALCULIX .and. .not. any([(is_card(reader, k, 'DISTRIBUTINGCOUPLING'), k=1, &
+            reader%cards%n_cards)])) call report_error(reader, reader%cards%cards(c)%line, 'An element ' // type // &
+            ' couples nothing without *DISTRIBUTING COUPLING, ELSET=, which names its nodes and their weights.')
+          cycle
+        end if
         if (reader%dialect == DIALECT_CALCULIX .and. begins_with(type, 'DASHPOT')) then
           call report_note(reader, reader%cards%cards(c)%line, 'Dashpots resist rates, which do not count in a quasi-static ' // &
             'step; they are left out.')

@@ -318,10 +318,13 @@ def test_distributing_coupling_of_an_element(run_deck: Run, tmp_path: Path, *, i
 @pytest.mark.parametrize(("rows", "message"), [
     ("1, 1.\n2, 1.\n", "lie on a line"),
     ("TOP, 1.\n90, 1.\n", "is itself in the list"),
+    ("", "couples nothing without *DISTRIBUTING COUPLING"),
 ])  # fmt: skip
 def test_refused_distributing_coupling(run_deck: Run, rows: str, message: str) -> None:
-    """Nodes on a line carry no moment about it; a node does not follow itself."""
-    coupling = f"*NODE, NSET=ALL\n90, 2.5, .5, 1.\n*ELEMENT, TYPE=DCOUP3D, ELSET=D\n99, 90\n*DISTRIBUTING COUPLING, ELSET=D\n{rows}"
+    """Nodes on a line carry no moment about it; a node does not follow itself; an element alone couples nothing."""
+    coupling = "*NODE, NSET=ALL\n90, 2.5, .5, 1.\n*ELEMENT, TYPE=DCOUP3D, ELSET=D\n99, 90\n"
+    if rows:
+        coupling += f"*DISTRIBUTING COUPLING, ELSET=D\n{rows}"
     done = run_deck("** dialect: abaqus\n" + job(coupling, "*BOUNDARY\nBOTTOM, 1, 3\n"))
     assert done.returncode in (3, 4)
     assert message in re.sub(r"\s+", " ", done.stdout + done.stderr)
