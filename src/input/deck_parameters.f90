@@ -36,6 +36,7 @@ module amontons_deck_parameters
     character(:), allocatable :: text
     integer :: next = 1                          !< the next character
     character(:), allocatable :: trouble         !< what is wrong; empty: nothing
+    character(:), allocatable :: note            !< what a reader may not expect; empty: nothing
   end type expression_type
 
 contains
@@ -173,6 +174,7 @@ contains
     end if
     expression%text = text(equal + 1:)
     expression%trouble = ''
+    expression%note = ''
     call evaluate_sum(scope, expression, value)
     call skip_blanks(expression)
     if (expression%trouble == '' .and. expression%next <= len(expression%text)) expression%trouble = &
@@ -183,6 +185,7 @@ contains
       call messages%add(line, 'The expression of ' // name // ' has no value: ' // expression%trouble // '.')
       return
     end if
+    if (expression%note /= '') call messages%add(line, 'In the expression of ' // name // ' ' // expression%note, is_warning=.true.)
     call scope%names%add(name, position, is_new)
     if (is_new) then
       scope%values = [scope%values, value]
@@ -208,7 +211,8 @@ contains
   end subroutine evaluate_sum
 
 
-  !> Powers with * and / between them. Python rounds the quotient of integers in one version and not in another.
+  !> Powers with * and / between them. The quotient of integers is rounded down, with a note.
+  !! Source: Abaqus/CAE User's Guide, "Entering expressions": 3/2 is 1, 3./2 is 1.5 (Python's rule up to version 2).
   recursive subroutine evaluate_product(scope, expression, value)
     type(scope_type), intent(in) :: scope
     type(expression_type), intent(inout) :: expression
@@ -223,10 +227,14 @@ contains
       else if (.not. abs(factor%number) > 0) then
         if (expression%trouble == '') expression%trouble = 'it divides by zero'
       else
-        value%number = value%number / factor%number
-        if (expression%trouble == '' .and. value%is_integer .and. factor%is_integer .and. &
-          abs(value%number - anint(value%number)) > 0) expression%trouble = 'the quotient of two integers is rounded by ' // &
-          'some versions of Abaqus; write a decimal point (3./2 is 1.5)'
+        if (value%is_integer .and. factor%is_integer .and. abs(modulo(value%number, factor%number)) > 0) then
+          expression%note = value_text(value) // '/' // value_text(factor) // ' is rounded down'
+          value%number = anint((value%number - modulo(value%number, factor%number)) / factor%number)
+          expression%note = expression%note // ' to ' // value_text(value) // ', because both are integers; with a decimal ' // &
+            'point (3./2) it is not.'
+        else
+          value%number = value%number / factor%number
+        end if
       end if
       value%is_integer = value%is_integer .and. factor%is_integer
     end do

@@ -46,6 +46,12 @@ contains
     call expect_value('b = 4;b = 5;e = b', 5.0_DP)
     call expect_value('e = 7  # a remark', 7.0_DP)
     call expect_value('e = 6/3', 2.0_DP)
+    call expect_value('e = 7/2', 3.0_DP)
+    call expect_value('e = 7/2.', 3.5_DP)
+    call expect_value('e = 10 + -7/2', 6.0_DP)
+    call expect_value('n = 7;m = -2;e = 10 + n/m', 6.0_DP)
+    call expect_value('e = 7/2*2', 6.0_DP)
+    call expect_value('e = 1 + 2**-1/2', 1.25_DP)
     call expect_value('e = sqrt(2.)**2', 2.0_DP)
     call expect_value('p = atan(1.);e = 4*sin(2*p)**2 + abs(-cos (4*p))', 5.0_DP)
     call expect_value('e = exp(log(3.)) + log10(100) + tan(0) + asin(0) + acos(1)', 5.0_DP)
@@ -56,7 +62,8 @@ contains
 
   !> Each has one message.
   subroutine check_troubles()
-    call expect_message('*PARAMETER;e = 3/2;*ELASTIC;1,0;', 'quotient of two integers')
+    call expect_message('*PARAMETER;e = 3/2;*ELASTIC;<e>,0;', 'e 3/2 is rounded down to 1, because both are integers', &
+      is_note=.true.)
     call expect_message('*PARAMETER;e = 3/0.;*ELASTIC;1,0;', 'divides by zero')
     call expect_message('*PARAMETER;e = b;b = 1;*ELASTIC;1,0;', 'no parameter ''b''')
     call expect_message('*ELASTIC;<e>,0;*PARAMETER;e = 1;', 'no parameter ''e''')
