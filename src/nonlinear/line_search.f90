@@ -36,6 +36,10 @@ module amontons_line_search
   real(DP), parameter :: MAX_MERIT_GROWTH = 1.0_DP / MERIT_DECREASE_RATIO   !< AUTO accepts the full step if the merit grows by no
                                                                             !! more than this factor [-]
 
+  real(DP), parameter :: MAX_SLOPE_RATIO = 0.8_DP         !< slope of the energy at the end of a shortened step over that at its
+                                                          !! start [-]
+  integer, parameter :: MAX_MINIMUM_EVALUATIONS = 10      !< of a shortened step; then the last one is taken
+
   !> The result of the search.
   type :: line_search_report_type
     real(DP) :: step_length = 1                    !< of the whole step; for NODAL the mean over the nodes that moved [-]
@@ -91,7 +95,11 @@ contains
       if (any([start%slaves%status, state%new%slaves%status] /= STATUS_OPEN)) then
         call backtrack(system, model, step, du, start, state, report, outcome)
       else if (is_minimum_passed(system, model, step, du, start)) then
-        call try_length(length_over_all())
+        if (length_over_all() > step%controls%s_min) then
+          call try_length(length_over_all())
+        else
+          call seek_minimum(system, model, step, du, start, state, report, outcome)
+        end if
       end if
     end select
     call note_scenarios(verdicts, state%new%slaves)
@@ -271,8 +279,7 @@ contains
 
   !> Whether the full step went far beyond the minimum of the energy along d because a material flows: the merit grew, and the slope
   !! d'R at its end has the other sign and is steeper than at its start. The tangent of a material that flows is too soft for what
-  !! unloads along d, and the residual may grow in the next iterations. If (LS) lies below s_min, the overshoot comes from geometry,
-  !! e.g. the stretching of a slender body that bends, and the next iteration removes it; so it does where nothing flows.
+  !! unloads along d.
   pure logical function is_minimum_passed(system, model, step, du, start) result(is_passed)
     type(equilibrium_type), intent(in) :: system   !< evaluated after the full step
     type(model_type), intent(in) :: model
@@ -281,10 +288,51 @@ contains
     type(search_start_type), intent(in) :: start
     real(DP) :: slope                              ! d'R(u + d) [energy]
     slope = directional_residual(system, du)
-    is_passed = any(model%materials%n_history > 0) .and. system%proximal_shift <= 0.0_DP .and. &
+    is_passed = any(model%materials%n_history > 0) .and. system%proximal_shift <= 0.0_DP .and. start%is_merit_comparable .and. &
       system%merit > max(MAX_MERIT_GROWTH * start%merit, step%controls%r_n * system%largest_force) .and. &
-      slope < -start%pair .and. start%pair > step%controls%s_min * (start%pair - slope)
+      start%pair > 0.0_DP .and. slope < -start%pair
   end function is_minimum_passed
+
+
+  !> (LS) over all unknowns, repeated between the lengths on both sides of the minimum of the energy along d, until the slope there
+  !! is below that at the start. A side that stays twice counts half of its slope (Illinois), so that both sides move. The full step
+  !! stays if a shorter one cannot be evaluated.
+  !! Sources: H. Matthies and G. Strang, Int. J. Numer. Meth. Engng 14 (1979) 1613; M. A. Crisfield, Non-linear Finite Element
+  !! Analysis of Solids and Structures, vol. 1, Wiley 1991, section 9.2 (a slack tolerance of 0.8).
+  subroutine seek_minimum(system, model, step, du, start, state, report, outcome)
+    type(equilibrium_type), intent(inout) :: system    !< in: evaluated after the full step, where the slope is negative
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) direction d, which descends at u [length]
+    type(search_start_type), intent(in) :: start
+    type(state_type), intent(inout) :: state
+    type(line_search_report_type), intent(inout) :: report
+    integer, intent(out) :: outcome
+    real(DP) :: lengths(2), slopes(2), slope, full   ! before and behind the minimum [-]; [energy]; [-]
+    integer :: evaluation, side, last_side
+    full = report%step_length
+    lengths = [0.0_DP, full]
+    slopes = [start%pair, directional_residual(system, du)]
+    last_side = 0
+    do evaluation = 1, MAX_MINIMUM_EVALUATIONS
+      report%step_length = lengths(1) + (lengths(2) - lengths(1)) * slopes(1) / (slopes(1) - slopes(2))
+      call evaluate_trial(system, model, step, start, start%u + report%step_length * du, .false., state, outcome)
+      if (outcome /= OUTCOME_OK) exit
+      slope = directional_residual(system, du)
+      if (abs(slope) <= MAX_SLOPE_RATIO * start%pair) exit
+      side = merge(1, 2, slope > 0.0_DP)
+      lengths(side) = report%step_length
+      slopes(side) = slope
+      if (side == last_side) slopes(3 - side) = 0.5_DP * slopes(3 - side)
+      last_side = side
+    end do
+    if (outcome == OUTCOME_OK) then
+      report%is_whole_step = .false.
+    else
+      report%step_length = full
+      call evaluate_trial(system, model, step, start, start%u + full * du, report%is_whole_step, state, outcome)
+    end if
+  end subroutine seek_minimum
 
 
   !> AUTO with contact: the full step if the merit does not grow, or if the contact subproblem is solved and the next correction is

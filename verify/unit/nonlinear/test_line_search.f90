@@ -101,7 +101,7 @@ contains
 
 
   !> AUTO without contact: where a material has history, (LS) shortens a step that passed the minimum of the energy by more than its
-  !! way to it; not if (LS) is below s_min, and never where nothing flows.
+  !! way to it, below s_min too; never where nothing flows.
   subroutine check_overshoot_by_flow(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
@@ -110,8 +110,8 @@ contains
     type(state_type) :: state
     type(line_search_report_type) :: report
     real(DP), allocatable :: du(:, :)
-    real(DP), parameter :: FACTORS(4) = [1.9_DP, 2.5_DP, 3.9_DP, 4.1_DP]
-    real(DP), parameter :: LENGTHS(4) = [1.0_DP, 1.0_DP / 2.5_DP, 1.0_DP / 3.9_DP, 1.0_DP]
+    real(DP), parameter :: FACTORS(4) = [1.9_DP, 2.5_DP, 3.9_DP, 40.0_DP]
+    real(DP), parameter :: LENGTHS(4) = [1.0_DP, 1.0_DP / 2.5_DP, 1.0_DP / 3.9_DP, 1.0_DP / 40.0_DP]
     integer :: i, n_history, outcome
     do n_history = 0, 1
       do i = 1, 4
