@@ -23,9 +23,8 @@ module amontons_reduced_system
   use amontons_graph_partition, only: partition_mesh, aggregate_elements, order_unknowns, order_unknowns_by_node, &
     nodes_by_first_use, separator_size, graph_separator_size
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, build_coarse_space, offer_corner_space, &
-    factorise_two_level, &
-    apply_preconditioner, discard_preconditioner, choose_n_parts, elements_of_part, &
-    two_level_megabytes
+    factorise_two_level, apply_preconditioner, apply_deflated, correct_in_coarse_space, discard_preconditioner, &
+    choose_n_parts, elements_of_part, two_level_megabytes
   use amontons_mpi_ranks, only: this_rank, n_ranks, min_over_ranks
   use amontons_distributed_solver, only: distributed_solver_type, create_distributed, create_distributed_parts, &
     update_distributed, apply_distributed, solve_distributed, DISTRIBUTED_NONE, DISTRIBUTED_GAMG, DISTRIBUTED_HYPRE, &
@@ -37,7 +36,8 @@ module amontons_reduced_system
   implicit none
   private
   public :: reduced_system_type, solution_cost_type, plan_reduced_solver, reason_of_iteration, is_factor_small, &
-    factorise_reduced_system, apply_reduced_inverse, iterate_reduced_system, iterate_unsymmetric, abandon_iteration, &
+    factorise_reduced_system, apply_reduced_inverse, apply_deflated_inverse, iterate_reduced_system, iterate_unsymmetric, &
+    abandon_iteration, &
     discard_analysis, discard_iteration, old_factor_iterations, renew_matrix, choose_division
 
   !> What the solver of A serves: one direction; many; the iterations on the contact skin, as their preconditioner; directions of
@@ -91,6 +91,7 @@ module amontons_reduced_system
     type(reduced_system_type), pointer :: system => null()
   contains
     procedure :: apply => apply_inverse
+    procedure :: correct => correct_by_inverse
   end type inverse_type
 
 contains
@@ -786,12 +787,42 @@ contains
   end subroutine iterate_unsymmetric
 
 
+  !> y ~ inv(A) x, for directions of Krylov methods: the two levels one after the other.
+  subroutine apply_deflated_inverse(self, x, y)
+    type(reduced_system_type), intent(inout) :: self
+    real(DP), intent(in) :: x(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: y(:)                  !< (n_free) [length]
+    if (has_two_levels(self)) then
+      call apply_deflated(self%iterative, self%matrix, x, y)
+    else
+      call apply_reduced_inverse(self, x, y)
+    end if
+  end subroutine apply_deflated_inverse
+
+
   !> y ~ inv(A) x.
   subroutine apply_inverse(self, x, y)
     class(inverse_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    call apply_reduced_inverse(self%system, x, y)
+    call apply_deflated_inverse(self%system, x, y)
   end subroutine apply_inverse
+
+
+  !> The solution in the coarse space; 0 without one.
+  subroutine correct_by_inverse(self, r, z)
+    class(inverse_type), intent(inout) :: self
+    real(DP), intent(in) :: r(:)                   !< (n_free) [force]
+    real(DP), intent(out) :: z(:)                  !< (n_free) [length]
+    z = 0
+    if (has_two_levels(self%system)) call correct_in_coarse_space(self%system%iterative, r, z)
+  end subroutine correct_by_inverse
+
+
+  !> Whether the preconditioner on two levels serves, on this rank alone.
+  pure logical function has_two_levels(self)
+    type(reduced_system_type), intent(in) :: self
+    has_two_levels = self%is_iterative .and. self%distributed_kind == DISTRIBUTED_NONE
+  end function has_two_levels
 
 end module amontons_reduced_system

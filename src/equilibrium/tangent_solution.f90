@@ -11,7 +11,8 @@ module amontons_tangent_solution
   use amontons_sparse, only: sparse_type, multiply, multiply_transpose, sparse_product, sparse_transpose, &
     full_from_upper, sparse_sum
   use amontons_factorization, only: lu_type, lu_factorise, lu_solve, FACTOR_OK
-  use amontons_reduced_system, only: apply_reduced_inverse, iterate_reduced_system, iterate_unsymmetric
+  use amontons_reduced_system, only: apply_reduced_inverse, apply_deflated_inverse, iterate_reduced_system, &
+    iterate_unsymmetric
   use amontons_contact_preconditioner, only: apply_bulk, apply_coarse_space, apply_tiles, subtract_contact
   use amontons_schur_interface, only: apply_schur_interface, is_factor_of, iterations_worth_factor
   use amontons_distributed_solver, only: DISTRIBUTED_TWO_LEVEL
@@ -431,7 +432,7 @@ contains
     else if (self%system%has_interface_solver) then
       call apply_schur_interface(self%system%schur_interface, x, y)
     else
-      call apply_reduced_inverse(self%system%reduced_system, x, y)
+      call apply_deflated_inverse(self%system%reduced_system, x, y)
     end if
   end subroutine apply_preconditioner
 

@@ -41,6 +41,7 @@ module amontons_krylov
   contains
     procedure(apply_interface), deferred :: apply
     procedure :: complete => complete_sum
+    procedure :: correct => leave_uncorrected
   end type operator_type
 
   abstract interface
@@ -342,12 +343,13 @@ contains
     real(DP), intent(inout) :: r(:)                         !< b - A x
     real(DP), intent(inout) :: x(:)
     type(krylov_report_type), intent(inout) :: report
-    real(DP), dimension(size(r)) :: z, p, a_p, dx
+    real(DP), dimension(size(r)) :: z, p, a_p, dx, r_old
     real(DP) :: rho, rho_old, rho_start, energy, alpha, size_of_r, drift
     real(DP) :: largest                                     ! residual since the last update
     logical :: is_end                                       ! by the recurrence no smaller residual is needed or can be reached
+    call correct_start(operator, preconditioner, r, dx, rho_start)
     p = 0
-    dx = 0
+    r_old = 0
     rho_old = 1
     drift = 0
     size_of_r = length_of(operator, r)
@@ -365,13 +367,14 @@ contains
       call preconditioner%apply(r, z)
       report%n_iterations = report%n_iterations + 1
       rho = inner(operator, r, z)
-      if (report%n_iterations == 1) rho_start = rho
+      if (report%n_iterations == 1) rho_start = rho_start + rho
       if (rho > 0 .and. rho <= options%energy_tolerance**2 * rho_start) then
         x = x + dx
         report%status = KRYLOV_CONVERGED
         return
       end if
-      p = z + rho / rho_old * p
+      p = z + (rho - inner(operator, r_old, z)) / rho_old * p
+      r_old = r
       call operator%apply(p, a_p)
       energy = inner(operator, p, a_p)
       if (.not. (ieee_is_finite(rho) .and. ieee_is_finite(energy))) then
@@ -390,6 +393,25 @@ contains
     call update_residual(operator, b, dx, x, r, drift)
     if (length_of(operator, r) <= target_residual) report%status = KRYLOV_CONVERGED
   end subroutine run_cg_iterations
+
+
+  !> The change of x in the subspace of the preconditioner, and the residual after it.
+  subroutine correct_start(operator, preconditioner, r, dx, energy)
+    class(operator_type), intent(inout) :: operator, preconditioner
+    real(DP), intent(inout) :: r(:)
+    real(DP), intent(out) :: dx(:)                          !< 0 without a subspace
+    real(DP), intent(out) :: energy                         !< square of its length in the norm of A
+    real(DP) :: change(size(r))
+    call preconditioner%correct(r, dx)
+    energy = inner(operator, r, dx)
+    if (.not. (ieee_is_finite(energy) .and. energy > 0)) then
+      dx = 0
+      energy = 0
+    else
+      call operator%apply(dx, change)
+      r = r - change
+    end if
+  end subroutine correct_start
 
 
   !> Adds the change to x, which becomes zero, and computes r = b - A x.
@@ -425,6 +447,17 @@ contains
     associate (unused => self, kept => sum)
     end associate
   end subroutine complete_sum
+
+
+  !> z: the solution for r in a subspace that a preconditioner solves first; here there is none.
+  subroutine leave_uncorrected(self, r, z)
+    class(operator_type), intent(inout) :: self
+    real(DP), intent(in) :: r(:)                            !< (n)
+    real(DP), intent(out) :: z(:)                           !< (n)
+    associate (unused => self, also => r)
+    end associate
+    z = 0
+  end subroutine leave_uncorrected
 
 
   !> The scalar product of vectors on which an operator acts.

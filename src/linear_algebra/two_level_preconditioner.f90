@@ -10,15 +10,20 @@
 !! factorized by CHOLMOD. Both factors are in single precision. Both terms are symmetric and positive definite, so that conjugate
 !! gradients can use the sum. On several threads U has a domain for each, without entries between them.
 !!
+!! Krylov methods apply one level after the other (`apply_deflated`): the second one acts on the residual that the first one leaves,
+!! which takes a little more than half of the iterations of the sum.
+!!
 !! Quadratic elements: the columns of Z are those of P, the shape functions of the linear elements on the corners, if the factor of
 !! P'AP is not larger than the share MAX_CORNER_ENTRIES of A. They reduce all but the error between neighbouring nodes.
 !! References: Meijerink and van der Vorst, Math. Comp. 31 (1977) 148; Manteuffel, Math. Comp. 34 (1980) 473 (the shift);
-!! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts).
+!! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts);
+!! Tang, Nabben, Vuik, Erlangga, J. Scientific Computing 39 (2009) 340 (levels one after the other: A-DEF2).
 module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP, I64
   use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern, multiply, multiply_transpose
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern, multiply, multiply_transpose, &
+    multiply_symmetric
   use amontons_midside_interpolation, only: build_midside_interpolation, project_to_corners
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, FACTOR_OK
@@ -26,7 +31,7 @@ module amontons_two_level_preconditioner
   implicit none
   private
   public :: two_level_preconditioner_type, build_coarse_space, offer_corner_space, factorise_two_level, &
-    apply_preconditioner, choose_n_parts, &
+    apply_preconditioner, apply_deflated, correct_in_coarse_space, choose_n_parts, &
     elements_of_part, two_level_megabytes, discard_preconditioner
   public :: rigid_motion
   public :: take_coarse_space, factorise_first_level, factorise_second_level, apply_first_level, restrict_residual, &
@@ -560,6 +565,39 @@ contains
     call solve_second_level(self, c)
     call add_correction(self, c, z)
   end subroutine apply_preconditioner
+
+
+  !> z = y + Q (r - A y) with y = inv(U'U) r and Q = Z inv(Z'AZ) Z'. Symmetric for residuals without a component in the coarse
+  !! space, as conjugate gradients have after correct_in_coarse_space, and nearly so with factors of an earlier A.
+  subroutine apply_deflated(self, matrix, r, z)
+    type(two_level_preconditioner_type), intent(in) :: self           !< prepared
+    type(sparse_type), intent(in) :: matrix            !< A
+    real(DP), intent(in) :: r(:)                       !< (n)
+    real(DP), intent(out) :: z(:)                      !< (n)
+    real(DP), allocatable :: product(:), c(:)
+    call apply_first_level(self, matrix, r, z)
+    if (.not. self%has_coarse_space) return
+    allocate (product(size(r)))
+    call multiply_symmetric(matrix, z, product)
+    product = r - product
+    call restrict_residual(self, product, c)
+    call solve_second_level(self, c)
+    call add_correction(self, c, z)
+  end subroutine apply_deflated
+
+
+  !> z = Q r.
+  subroutine correct_in_coarse_space(self, r, z)
+    type(two_level_preconditioner_type), intent(in) :: self           !< prepared
+    real(DP), intent(in) :: r(:)                       !< (n)
+    real(DP), intent(out) :: z(:)                      !< (n)
+    real(DP), allocatable :: c(:)
+    z = 0
+    if (.not. self%has_coarse_space) return
+    call restrict_residual(self, r, c)
+    call solve_second_level(self, c)
+    call add_correction(self, c, z)
+  end subroutine correct_in_coarse_space
 
 
   !> c = Z' r.
