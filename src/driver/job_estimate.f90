@@ -28,10 +28,10 @@ module amontons_job_estimate
 
   real(DP), parameter :: FACTOR_EFFICIENCY = 0.5_DP       !< speed of a factorization over that of a dense product [-] |
                                                           !! doc/performance.md
-  real(DP), parameter :: ITERATION_PRODUCTS = 3.8_DP      !< an iteration over a product with the stiffness [-] | doc/performance.md
+  real(DP), parameter :: ITERATION_PRODUCTS = 4.8_DP      !< an iteration over a product with the stiffness [-] | doc/performance.md
   real(DP), parameter :: PRECONDITIONER_PRODUCTS = 85.0_DP   !< its preconditioner, likewise [-] | doc/performance.md
-  integer, parameter :: LINEAR_ITERATIONS = 60            !< of a solution in a compact body | doc/theory/solver.md
-  integer, parameter :: NEWTON_ITERATIONS = 35            !< of a direction of Newton's method there | doc/performance.md
+  integer, parameter :: LINEAR_ITERATIONS = 32            !< of a solution in a compact body | doc/theory/solver.md
+  integer, parameter :: NEWTON_ITERATIONS = 20            !< of a direction of Newton's method there | doc/performance.md
   real(DP), parameter :: REPEATED_PRECONDITIONER = 0.5_DP !< its share that each rank repeats [-] | doc/performance.md
   real(DP), parameter :: RAGGED_BORDER = 1.3_DP           !< nodes on the border of a part over those of a cube as large [-]
   integer, parameter :: RANKS(4) = [2, 4, 8, 16]          !< numbers of ranks estimated
