@@ -56,7 +56,7 @@ COUNTERS = re.compile(
     r"A rank has at most (\d+) unknowns, (\d+) in its halo and (\d+) neighbours; it sends ([\d.]+) messages and ([\d.]+) kilobytes in a "
     r"Krylov iteration\. (\d+) coarse unknowns"
 )
-EXCHANGES = 3  #: of an iteration: the direction, the residual, and what U gives in the halo
+EXCHANGES = 4  #: of an iteration: the direction, the residual, what U gives in the halo, and its sum
 N_TURNS = 3
 HARDENING = 2.0e4  #: of the plastic cube [stress]
 SOLVERS = {"two levels": "ITERATIVE SCALING", "GAMG": "GAMG", "hypre": "HYPRE", "BDDC": "BDDC"}
