@@ -263,8 +263,9 @@ contains
 
 
   !> Solves A x = b for whole vectors by conjugate gradients, from x = 0.
-  subroutine solve_distributed_two_level(self, b, x, options, report)
+  subroutine solve_distributed_two_level(self, is_current, b, x, options, report)
     type(distributed_two_level_type), intent(inout), target :: self
+    logical, intent(in) :: is_current              !< the preconditioner is of this A: its levels may follow one another
     real(DP), intent(in) :: b(:)                   !< (n) the same on all ranks
     real(DP), intent(out) :: x(:)                  !< (n)
     type(krylov_options_type), intent(in) :: options
@@ -274,7 +275,7 @@ contains
     real(DP) :: own(self%halo%n_own)
     matrix%solver => self
     preconditioner%solver => self
-    preconditioner%is_deflated = .true.
+    preconditioner%is_deflated = is_current
     own = 0
     call conjugate_gradients(matrix, preconditioner, b(own_unknowns(self)), own, options, report)
     call collect(self, own, x)
@@ -282,8 +283,9 @@ contains
 
 
   !> Solves (A - D) x = b for whole vectors by GMRES, from x = 0. Errors: out of memory; D beyond the pattern of A.
-  subroutine solve_distributed_unsymmetric(self, skew, b, x, options, report, error)
+  subroutine solve_distributed_unsymmetric(self, is_current, skew, b, x, options, report, error)
     type(distributed_two_level_type), intent(inout), target :: self
+    logical, intent(in) :: is_current              !< the preconditioner is of this A
     type(sparse_type), intent(in) :: skew          !< D: the rows of own_unknowns, columns of all unknowns
     real(DP), intent(in) :: b(:)                   !< (n) the same on all ranks
     real(DP), intent(out) :: x(:)                  !< (n)
@@ -304,7 +306,7 @@ contains
     if (allocated(error)) return
     matrix%solver => self
     preconditioner%solver => self
-    preconditioner%is_deflated = .true.
+    preconditioner%is_deflated = is_current
     own = 0
     call gmres(matrix, preconditioner, b(own_unknowns(self)), own, options, report, error)
     call share_error(error)

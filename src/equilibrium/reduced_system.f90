@@ -762,7 +762,7 @@ contains
       preconditioner%system => self
       call conjugate_gradients(matrix, preconditioner, b, x, options, report)
     case (DISTRIBUTED_TWO_LEVEL)
-      call solve_distributed_two_level(self%divided, b, x, options, report)
+      call solve_distributed_two_level(self%divided, self%is_current, b, x, options, report)
     case default
       call solve_distributed(self%distributed, b, x, options, report, error)
     end select
@@ -780,19 +780,19 @@ contains
     type(krylov_report_type), intent(out) :: report
     type(error_type), allocatable, intent(out) :: error
     associate (C => constraints%transformation)
-      call solve_distributed_unsymmetric(self%divided, &
+      call solve_distributed_unsymmetric(self%divided, self%is_current, &
         sparse_product(sparse_product(rows_of(sparse_transpose(C), own_unknowns(self%divided)), skew), C), &
         b, x, options, report, error)
     end associate
   end subroutine iterate_unsymmetric
 
 
-  !> y ~ inv(A) x, for directions of Krylov methods: the two levels one after the other.
+  !> y ~ inv(A) x, for Krylov methods on A or nearly A: the two levels one after the other where they are those of A.
   subroutine apply_deflated_inverse(self, x, y)
     type(reduced_system_type), intent(inout) :: self
     real(DP), intent(in) :: x(:)                   !< (n_free) [force]
     real(DP), intent(out) :: y(:)                  !< (n_free) [length]
-    if (has_two_levels(self)) then
+    if (has_current_levels(self)) then
       call apply_deflated(self%iterative, self%matrix, x, y)
     else
       call apply_reduced_inverse(self, x, y)
@@ -809,20 +809,21 @@ contains
   end subroutine apply_inverse
 
 
-  !> The solution in the coarse space; 0 without one.
+  !> The solution in the coarse space of A; 0 without one.
   subroutine correct_by_inverse(self, r, z)
     class(inverse_type), intent(inout) :: self
     real(DP), intent(in) :: r(:)                   !< (n_free) [force]
     real(DP), intent(out) :: z(:)                  !< (n_free) [length]
     z = 0
-    if (has_two_levels(self%system)) call correct_in_coarse_space(self%system%iterative, r, z)
+    if (has_current_levels(self%system)) call correct_in_coarse_space(self%system%iterative, r, z)
   end subroutine correct_by_inverse
 
 
-  !> Whether the preconditioner on two levels serves, on this rank alone.
-  pure logical function has_two_levels(self)
+  !> Whether the preconditioner on two levels serves, on this rank alone, and is that of the present A: the second level of a softer
+  !! A would correct too much.
+  pure logical function has_current_levels(self)
     type(reduced_system_type), intent(in) :: self
-    has_two_levels = self%is_iterative .and. self%distributed_kind == DISTRIBUTED_NONE
-  end function has_two_levels
+    has_current_levels = self%is_iterative .and. self%is_current .and. self%distributed_kind == DISTRIBUTED_NONE
+  end function has_current_levels
 
 end module amontons_reduced_system

@@ -124,8 +124,20 @@ def test_parameters_change_in_the_order_of_the_deck(run_deck: Run, tmp_path: Pat
     assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
 
 
+def test_quotients_of_integers_are_rounded_down(run_deck: Run, tmp_path: Path) -> None:
+    """5/2 is 2, as Abaqus documents, and the job says so; 5./2 is 2.5."""
+    deck = CUBE + BOUNDARY + "*PARAMETER\nf = {}\n" + STEP + "*CLOAD\nHIGH, 3, <f>\n" + END
+    done = run_deck(deck.format("5/2"))
+    assert done.returncode == 0, done.stdout
+    assert "5/2 is rounded down to 2" in output_of(done)
+    assert lifts(tmp_path) == pytest.approx([0.8 * LIFT] * 4, rel=1e-6)
+    done = run_deck(deck.format("5./2"))
+    assert "rounded" not in output_of(done)
+    assert lifts(tmp_path) == pytest.approx([LIFT] * 4, rel=1e-6)
+
+
 @pytest.mark.parametrize(("line", "message"), [
-    ("f = 3/2", "write a decimal point"), ("f = 1/0", "divides by zero"), ("f = g + 1", "no parameter 'g' before"), ("f = (1 + 2", "not closed"),
+    ("f = 1/0", "divides by zero"), ("f = g + 1", "no parameter 'g' before"), ("f = (1 + 2", "not closed"),
     ("f = 2 +", "is missing in '2 +'"), ("f = 'text'", "is missing"), ("f = sqrt(-2.)", "sqrt has no value here"), ("f = log(0)", "log has no value"),
     ("f = cot(2.)", "no parameter 'cot'"), ("f = asin 1.", "no parameter 'asin'"), ("2.5", "name = expression"),
     ("f = 1 2", "'2' is not understood"), ("f = 10.**400", "not finite"), ("f-1 = 2", "name = expression"), ("e = 1", "There is no parameter 'f'"),

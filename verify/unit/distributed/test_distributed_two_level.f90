@@ -38,7 +38,7 @@ program test_distributed_two_level
   call apply_preconditioner(levels, matrix, b, expected)
   call apply_distributed_two_level(solver, b, z)
   call suite%that('applied as by one process', maxval(abs(z - expected)) <= 1.0e-12_DP * maxval(abs(expected)))
-  call solve_distributed_two_level(solver, b, x, krylov_options_type(tolerance=1.0e-11_DP), report)
+  call solve_distributed_two_level(solver, .true., b, x, krylov_options_type(tolerance=1.0e-11_DP), report)
   call multiply_symmetric(matrix, x, z)
   call suite%that('solved', report%status == KRYLOV_CONVERGED .and. norm2(b - z) <= 1.1e-11_DP * norm2(b))
   call compare_messages(solver)
@@ -48,14 +48,14 @@ program test_distributed_two_level
   call sparse_from_triplets(N, N, [(i, i=1, N - 3), (i + 3, i=1, N - 3)], [(i + 3, i=1, N - 3), (i, i=1, N - 3)], &
     [(0.5_DP, i=1, N - 3), (-0.5_DP, i=1, N - 3)], skew, error)
   call suite%that('one rank has all unknowns', all(own_unknowns(solver) == [(i, i=1, N)]))
-  call solve_distributed_unsymmetric(solver, skew, b, x, krylov_options_type(tolerance=1.0e-11_DP), report, error)
+  call solve_distributed_unsymmetric(solver, .true., skew, b, x, krylov_options_type(tolerance=1.0e-11_DP), report, error)
   call multiply_symmetric(matrix, x, z)
   call multiply(skew, x, expected)
   call suite%that('solved with a skew-symmetric part', .not. allocated(error) .and. report%status == KRYLOV_CONVERGED .and. &
     norm2(b - z + expected) <= 1.1e-11_DP * norm2(b))
   matrix%value = 2.0_DP * matrix%value
   call renew_distributed_matrix(solver, matrix)
-  call solve_distributed_two_level(solver, b, z, krylov_options_type(tolerance=1.0e-11_DP), report)
+  call solve_distributed_two_level(solver, .false., b, z, krylov_options_type(tolerance=1.0e-11_DP), report)
   call multiply_symmetric(matrix, z, expected)
   call suite%that('solved by the preconditioner of earlier values', norm2(b - expected) <= 1.1e-11_DP * norm2(b))
 

@@ -301,7 +301,7 @@ contains
     call multiply_symmetric(a, z, product)
     call m%correct(r - product, left)
     call m%correct(r, product)
-    call suite%that('deflation: nothing is left in the coarse space', norm2(left) < 1.0e-3_DP * norm2(product))   ! single precision
+    call suite%that('deflation: nothing is left in the coarse space', norm2(left) < 1.0e-3_DP * norm2(product))
     x = [(real(m%self%motion(1, i), DP) * real(part(i), DP), i=1, a%n_rows)]
     call multiply_symmetric(a, x, r)
     call m%correct(r, z)
