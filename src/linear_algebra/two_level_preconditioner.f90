@@ -10,8 +10,8 @@
 !! factorized by CHOLMOD. Both factors are in single precision. Both terms are symmetric and positive definite, so that conjugate
 !! gradients can use the sum. On several threads U has a domain for each, without entries between them.
 !!
-!! Krylov methods on this very A apply one level after the other (`apply_deflated`): the second one acts on the residual that the first
-!! one leaves, which takes a little more than half of the iterations of the sum.
+!! Krylov methods on this very A apply one level after the other (`apply_deflated`): the second one acts on the residual that the
+!! first one leaves, which takes a little more than half of the iterations of the sum.
 !!
 !! Quadratic elements: the columns of Z are those of P, the shape functions of the linear elements on the corners, if the factor of
 !! P'AP is not larger than the share MAX_CORNER_ENTRIES of A. They reduce all but the error between neighbouring nodes.
