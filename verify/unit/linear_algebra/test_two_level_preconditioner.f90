@@ -280,8 +280,9 @@ contains
   end subroutine test_coarse_space
 
 
-  !> One level after the other: what is left of a residual has nothing in the coarse space, Z'(r - A z) = 0 for each r; displacements
-  !! of the coarse space are found before the first iteration; and conjugate gradients need fewer iterations than for the sum.
+  !> One level after the other: what is left of a residual has nothing in the coarse space, Z'(r - A z) = 0 for each r;
+  !! displacements of the coarse space are found before the first iteration; and conjugate gradients need fewer iterations than for
+  !! the sum.
   subroutine test_deflation()
     type(two_level_type) :: m
     type(sparse_type), target :: a
