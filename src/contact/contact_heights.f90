@@ -24,6 +24,7 @@ contains
     integer :: k, f
     if (.not. (allocated(model%general_contact) .and. allocated(model%structure))) return
     if (.not. allocated(model%general_contact%properties)) return
+    if (size(model%general_contact%properties) == 0) return
     thickness = [(section_thickness(f), f=1, exterior%n)]
     place = [(section_place(f), f=1, exterior%n)]
     do k = 1, size(model%general_contact%properties)

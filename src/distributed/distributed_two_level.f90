@@ -17,7 +17,7 @@
 !! rows of D of its own unknowns; their columns lie on its domain, because D has the pattern of A.
 !!
 !! An iteration has three messages to each neighbour (the direction; the residual; what U gives in the halo), a sum of the coarse
-!! residual Z'r and three scalars; with GMRES a scalar for each vector kept. Sums are in the order of the ranks. Conjugate
+!! residual Z'r and four scalars; with GMRES a scalar for each vector kept. Sums are in the order of the ranks. Conjugate
 !! gradients and GMRES apply the second level to what the first one leaves, as on one rank: one message more, and a little more than
 !! half of the iterations.
 !! References: those of `two_level_preconditioner`; Cai and Sarkis, SIAM J. Sci. Comput. 21 (1999) 792, and Smith, Bjorstad, Gropp,

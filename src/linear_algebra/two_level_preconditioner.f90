@@ -552,18 +552,14 @@ contains
   end subroutine append_block
 
 
-  !> z: the preconditioner times r.
+  !> z: the preconditioner times r, as the sum of the levels.
   subroutine apply_preconditioner(self, matrix, r, z)
     type(two_level_preconditioner_type), intent(in) :: self           !< prepared
     type(sparse_type), intent(in) :: matrix            !< the matrix it was built for: its pattern
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
-    real(DP), allocatable :: c(:)
     call apply_first_level(self, matrix, r, z)
-    if (.not. self%has_coarse_space) return
-    call restrict_residual(self, r, c)
-    call solve_second_level(self, c)
-    call add_correction(self, c, z)
+    call add_second_level(self, r, z)
   end subroutine apply_preconditioner
 
 
@@ -574,30 +570,37 @@ contains
     type(sparse_type), intent(in) :: matrix            !< A
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
-    real(DP), allocatable :: product(:), c(:)
+    real(DP), allocatable :: product(:)
     call apply_first_level(self, matrix, r, z)
     if (.not. self%has_coarse_space) return
     allocate (product(size(r)))
     call multiply_symmetric(matrix, z, product)
     product = r - product
-    call restrict_residual(self, product, c)
-    call solve_second_level(self, c)
-    call add_correction(self, c, z)
+    call add_second_level(self, product, z)
   end subroutine apply_deflated
 
 
-  !> z = Q r.
+  !> z = Q r; 0 without a coarse space.
   subroutine correct_in_coarse_space(self, r, z)
     type(two_level_preconditioner_type), intent(in) :: self           !< prepared
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
-    real(DP), allocatable :: c(:)
     z = 0
+    call add_second_level(self, r, z)
+  end subroutine correct_in_coarse_space
+
+
+  !> Adds Q r to z.
+  subroutine add_second_level(self, r, z)
+    type(two_level_preconditioner_type), intent(in) :: self           !< prepared
+    real(DP), intent(in) :: r(:)                       !< (n)
+    real(DP), intent(inout) :: z(:)                    !< (n)
+    real(DP), allocatable :: c(:)
     if (.not. self%has_coarse_space) return
     call restrict_residual(self, r, c)
     call solve_second_level(self, c)
     call add_correction(self, c, z)
-  end subroutine correct_in_coarse_space
+  end subroutine add_second_level
 
 
   !> c = Z' r.

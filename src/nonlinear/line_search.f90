@@ -76,6 +76,7 @@ contains
     real(DP), intent(in), optional :: d_load       !< change of the load factor along d, in a RIKS step [-]
     type(search_start_type) :: start
     type(slip_result_type), allocatable :: verdicts(:)
+    real(DP) :: length
     start%configuration_type = save_configuration(system, state)
     start%predicted_slaves = predicted_slaves
     if (present(d_load)) start%d_load = d_load
@@ -95,8 +96,9 @@ contains
       if (any([start%slaves%status, state%new%slaves%status] /= STATUS_OPEN)) then
         call backtrack(system, model, step, du, start, state, report, outcome)
       else if (is_minimum_passed(system, model, step, du, start)) then
-        if (length_over_all() > step%controls%s_min) then
-          call try_length(length_over_all())
+        length = length_over_all()
+        if (length > step%controls%s_min) then
+          call try_length(length)
         else
           call seek_minimum(system, model, step, du, start, state, report, outcome)
         end if

@@ -22,7 +22,7 @@ def phases_of(text: str) -> dict[str, tuple[float, float]]:
     return {name: (float(seconds), float(megabytes)) for name, seconds, megabytes in rows}
 
 
-def iterations_of(text: str) -> str:
+def krylov_iterations(text: str) -> str:
     """Krylov iterations of a job; '-' with a factor."""
     found = re.search(r"Krylov iterations +(\d+)", text)
     return found[1] if found else "-"
@@ -35,7 +35,7 @@ def table(best: dict[int, Run]) -> str:
     for name in next(iter(columns.values())):
         lines.append(f"| {name} | " + " | ".join(f"{columns[n][name][0]:.2f} | {columns[n][name][1]:.0f}" for n in best) + " |")
     lines.append("| elapsed, peak | " + " | ".join(f"{run.elapsed:.1f} | {run.megabytes:.0f}" for run in best.values()) + " |")
-    lines.append("| Krylov iterations | " + " | ".join(f"{iterations_of(run.text)} | " for run in best.values()) + " |")
+    lines.append("| Krylov iterations | " + " | ".join(f"{krylov_iterations(run.text)} | " for run in best.values()) + " |")
     lines.append("| processor | " + " | ".join(f"{run.seconds:.1f} | " for run in best.values()) + " |")
     return "\n".join(lines)
 

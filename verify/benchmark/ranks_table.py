@@ -41,6 +41,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from verify.benchmark.estimate_table import cube
+from verify.benchmark.large_cube import krylov_iterations
 from verify.benchmark.plastic_cube import SOLVER, compressed_cube
 from verify.benchmark.wide_contact import Model, deck_of
 from verify.distributed import ranks_and_serial
@@ -73,9 +74,8 @@ def checked(folder: Path, deck: str, n_ranks: int) -> Outcome:
 def row(folder: Path, edge: int, n_ranks: int) -> str:
     """A row of the table."""
     text = checked(folder, cube(edge, SOLVER), n_ranks).text
-    iterations = re.search(r"Krylov iterations +(\d+)", text)
     unknowns = 3 * edge * (edge + 1) ** 2
-    start = f"| {n_ranks} | {unknowns} | {iterations[1] if iterations else '-'} | "
+    start = f"| {n_ranks} | {unknowns} | {krylov_iterations(text)} | "
     found = COUNTERS.search(text)
     if not found:
         return start + f"{unknowns} | 0 | 0 | 0 | 0 | 0 | - | - |"
@@ -133,8 +133,7 @@ def shares(folder: Path, edge: int, n_ranks: int) -> str:
 def iterations_of(folder: Path, deck: str, solver: str, n_ranks: int) -> str:
     """Of a linear job; more than the limit: it ended with a factor."""
     text = checked(folder, with_solver(deck, solver), n_ranks).text
-    found = re.search(r"Krylov iterations +(\d+)", text)
-    return ("> " if "a factor is used" in text else "") + (found[1] if found else "-")
+    return ("> " if "a factor is used" in text else "") + krylov_iterations(text)
 
 
 def compare_solvers(folder: Path, edge: int, ranks: Sequence[int]) -> None:
