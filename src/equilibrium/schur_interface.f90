@@ -213,7 +213,9 @@ contains
     call check_memory(memory_status, error)
     if (allocated(error)) return
     self%matrix%value = 0
-    self%matrix%value(self%target) = self%bulk%value
+    do i = 1, size(self%target)                    ! gfortran does not check the memory of a temporary
+      self%matrix%value(self%target(i)) = self%bulk%value(i)
+    end do
     shift = merge(abs(self%bulk%value(self%bulk%first(:n))), 0.0_DP, self%interface_index > 0)
     where (self%interface_index > 0 .and. shift <= 0.0_DP) shift = maxval(shift)   ! a rigid body supported by contact alone
     deallocate (self%bulk%value)                   ! not needed any more; the factor needs the memory
