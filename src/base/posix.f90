@@ -10,7 +10,7 @@ module amontons_posix
   public :: new_file_type, start_new_file, append_words, place_new_file, sync_file, truncate_file
   public :: checksum_of_words, continue_checksum, checksum_of_text, errno_text
   public :: has_memory, available_megabytes, total_megabytes, peak_megabytes, install_signal_handlers, pending_stop_signal, &
-    is_status_requested, set_exit_handler, end_process, restart_passive_threads, return_large_blocks
+    is_status_requested, set_exit_handler, end_process, restart_with_settings, return_large_blocks
   public :: heartbeat_type, start_heartbeat, postpone_heartbeat, set_heartbeat, stop_heartbeat
   public :: process_lock_type, acquire_lock, suspend_lock, resume_lock
 
@@ -117,9 +117,9 @@ module amontons_posix
       integer(c_int), value :: before
     end subroutine resume_lock
 
-    !> Restarts the program with threads that sleep soon when they wait; see posix_shim.c. For the main program only.
-    subroutine restart_passive_threads() bind(C, name='amontons_begin_again')
-    end subroutine restart_passive_threads
+    !> Restarts the program with settings that libraries read before it begins; see posix_shim.c. For the main program only.
+    subroutine restart_with_settings() bind(C, name='amontons_begin_again')
+    end subroutine restart_with_settings
 
     !> Large blocks of memory go back to the system when they are freed. For the main program only.
     subroutine return_large_blocks() bind(C, name='amontons_return_blocks')

@@ -258,15 +258,29 @@ void amontons_end_process(int code)
   _exit(code);
 }
 
-/* Restarts the program with its arguments, so that its threads spin SPINS times (half a millisecond) before they
- * sleep: libgomp reads this setting before the program begins, and its default (some 15 ms) makes two threads on a busy machine
- * several times slower than one. Returns without change if the environment sets the wait policy, or if the system
- * does not report the executable (only Linux does). */
+/* What libraries read of the environment before the program begins, and it sets unless one of the two is there. Threads that wait
+ * spin for half a millisecond before they sleep: libgomp's default (some 15 ms) makes two threads on a busy machine several times
+ * slower than one. Large blocks of memory get pages of 2 MB, where the system lends them on request: a tenth of a large job goes
+ * into small pages. */
+static const struct {
+  const char *name, *value, *instead;
+} SETTINGS[] = {
+  {"GOMP_SPINCOUNT", "10000", "OMP_WAIT_POLICY"},
+  {"GLIBC_TUNABLES", "glibc.malloc.hugetlb=1", "GLIBC_TUNABLES"},
+};
+enum { N_SETTINGS = sizeof SETTINGS / sizeof *SETTINGS };
+
+/* Restarts the program with its arguments and these settings. Returns without change if none is needed, or if the system does not
+ * report the executable (only Linux does). */
 void amontons_begin_again(void)
 {
-  static const char SPINS[] = "10000";
   enum { LONGEST = 65536 };
-  if (getenv("GOMP_SPINCOUNT") || getenv("OMP_WAIT_POLICY")) return;
+  int is_needed[N_SETTINGS], n_needed = 0;
+  for (int i = 0; i < N_SETTINGS; i++) {
+    is_needed[i] = !getenv(SETTINGS[i].name) && !getenv(SETTINGS[i].instead);
+    n_needed += is_needed[i];
+  }
+  if (!n_needed) return;
   char *text = malloc(LONGEST), **arguments = calloc(LONGEST / 2, sizeof *arguments), path[4096];
   FILE *file = fopen("/proc/self/cmdline", "rb");
   size_t length = file && text && arguments ? fread(text, 1, LONGEST, file) : 0;
@@ -276,9 +290,11 @@ void amontons_begin_again(void)
     path[end] = 0;
     int n = 0;
     for (size_t i = 0; i < length && n < LONGEST / 2 - 1; i += strlen(text + i) + 1) arguments[n++] = text + i;
-    setenv("GOMP_SPINCOUNT", SPINS, 0);
+    for (int i = 0; i < N_SETTINGS; i++)
+      if (is_needed[i]) setenv(SETTINGS[i].name, SETTINGS[i].value, 0);
     execv(path, arguments);
-    unsetenv("GOMP_SPINCOUNT");
+    for (int i = 0; i < N_SETTINGS; i++)
+      if (is_needed[i]) unsetenv(SETTINGS[i].name);
   }
   free(text);
   free(arguments);

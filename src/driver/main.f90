@@ -1,9 +1,8 @@
 !> Main program: command line, the three stages of a job, and the exit code; the only module that stops the process.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program amontons
-  use omp_lib, only: omp_get_max_threads
   use amontons_errors, only: error_type, set_error, EXIT_SUCCESS, EXIT_USAGE, EXIT_IO
-  use amontons_posix, only: restart_passive_threads, return_large_blocks, set_exit_handler, end_process, install_signal_handlers
+  use amontons_posix, only: restart_with_settings, return_large_blocks, set_exit_handler, end_process, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
   use amontons_logger, only: logger_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
@@ -13,7 +12,6 @@ program amontons
   use amontons_job_estimate, only: estimate_job, job_estimate_type, describe_estimate
   use amontons_analysis, only: analysis_type, start_analysis, advance_analysis, finish_analysis
   use amontons_mpi_ranks, only: begin_ranks, end_ranks, n_ranks, is_first_rank, is_shared_by_ranks, abort_ranks
-  use amontons_distributed_solver, only: has_distributed_solvers
   implicit none
 
   character(*), parameter :: USAGE = 'usage: amontons [options] job[.inp]    (a deck of Abaqus or CalculiX; ' // &
@@ -41,15 +39,13 @@ contains
     type(error_type), allocatable :: error
     type(model_type) :: model
     character(:), allocatable :: cards
+    call restart_with_settings()                     ! before MPI begins
     call set_exit_handler(.true.)
     call return_large_blocks()
     call begin_ranks()
     call open_log(logger, .false., PROGRESS_NONE)
     call read_command(command, error)
     if (.not. allocated(error)) then
-      if (.not. has_distributed_solvers()) then      ! MPI has begun: no restart any more
-        if (command%action == ACTION_RUN) call restart_with_passive_threads(command%job)
-      end if
       if (n_ranks() > 1) then                        ! mpiexec mixes what the ranks write: no live line
         command%job%n_threads = max(1, command%job%n_threads)
         if (command%progress == PROGRESS_AUTO) command%progress = PROGRESS_PLAIN
@@ -251,16 +247,6 @@ contains
       end if
     end select
   end subroutine apply_option
-
-
-  !> If a job may have several threads, restarts the program with a passive wait policy of the threads.
-  subroutine restart_with_passive_threads(options)
-    type(job_options_type), intent(in) :: options
-    integer :: n
-    n = options%n_threads
-    if (n == 0) n = omp_get_max_threads()
-    if (n > 1) call restart_passive_threads()
-  end subroutine restart_with_passive_threads
 
 
   !> --threads N

@@ -110,27 +110,26 @@ def test_job_names_on_the_command_line(run: Run, tmp_path: Path, words: list[str
     assert (tmp_path / "job.sta").exists()
 
 
-@pytest.mark.parametrize(("words", "wait", "wanted"), [
-    (["--threads", "2"], {}, b"GOMP_SPINCOUNT=10000"),
-    (["--threads", "1"], {}, None),
-    (["--threads", "2"], {"GOMP_SPINCOUNT": "77"}, b"GOMP_SPINCOUNT=77"),
-    (["--threads", "2"], {"OMP_WAIT_POLICY": "passive"}, None),
+SETTINGS = ("GOMP_SPINCOUNT", "OMP_WAIT_POLICY", "GLIBC_TUNABLES")
+
+
+@pytest.mark.parametrize(("wait", "wanted"), [
+    ({}, {"GOMP_SPINCOUNT=10000", "GLIBC_TUNABLES=glibc.malloc.hugetlb=1"}),
+    ({"GOMP_SPINCOUNT": "77"}, {"GOMP_SPINCOUNT=77", "GLIBC_TUNABLES=glibc.malloc.hugetlb=1"}),
+    ({"OMP_WAIT_POLICY": "passive", "GLIBC_TUNABLES": "glibc.malloc.top_pad=0"}, {"OMP_WAIT_POLICY=passive", "GLIBC_TUNABLES=glibc.malloc.top_pad=0"}),
 ])
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="only where the system shows the environment of a process")
-def test_threads_soon_sleep(program: Path, root: Path, tmp_path: Path, words: list[str], wait: dict[str, str],
-                            wanted: bytes | None) -> None:
-    """With more than one thread the program runs on with a short wait, under its own number, unless the environment says how to."""
-    clean = {name: value for name, value in os.environ.items() if name not in ("GOMP_SPINCOUNT", "OMP_WAIT_POLICY")}
-    job = subprocess.Popen([program, *words, "--outdir", tmp_path, root / "input" / "shear_block.inp"], env=clean | wait,
-                           stdout=subprocess.DEVNULL)
+def test_settings_of_libraries(program: Path, root: Path, tmp_path: Path, wait: dict[str, str], wanted: set[str]) -> None:
+    """The program runs on with a short wait of its threads and large pages, under its own number, unless the environment says how to."""
+    clean = {name: value for name, value in os.environ.items() if name not in SETTINGS}
+    job = subprocess.Popen([program, "--outdir", tmp_path, root / "input" / "shear_block.inp"], env=clean | wait, stdout=subprocess.DEVNULL)
     try:
         for _ in range(1000):                      # until the job runs
             if job.poll() is not None or (tmp_path / "shear_block.sta").exists():
                 break
             time.sleep(0.02)
         assert job.poll() is None
-        found = [line for line in Path(f"/proc/{job.pid}/environ").read_bytes().split(b"\0") if line.startswith(b"GOMP_SPINCOUNT")]
-        assert found == ([wanted] if wanted else [])
+        assert {line for line in Path(f"/proc/{job.pid}/environ").read_text().split("\0") if line.startswith(SETTINGS)} == wanted
         assert Path(f"/proc/{job.pid}/comm").read_text() == f"{program.name}\n"
     finally:
         job.kill()
