@@ -10,7 +10,7 @@ module amontons_model_setup
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
   use amontons_loads, only: equation_type, prescribed_type
-  use amontons_balanced_bodies, only: balancing_support_type, find_balancing_supports, spin_equation
+  use amontons_balanced_bodies, only: balancing_support_type, find_balancing_supports, support_equation
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
@@ -48,7 +48,7 @@ contains
   end subroutine set_up_model
 
 
-  !> Holds free bodies whose loads balance each other: by supports, beams by an equation.
+  !> Holds free bodies whose loads balance each other: by supports, shells and beams by equations.
   subroutine hold_balanced_bodies(model, logger)
     type(model_type), intent(inout) :: model
     type(logger_type), intent(inout) :: logger
@@ -61,7 +61,7 @@ contains
     held%is_held = .true.
     do i = 1, size(supports)
       if (supports(i)%director > 0) then
-        model%equations = [model%equations, spin_equation(model, supports(i))]
+        model%equations = [model%equations, support_equation(model, supports(i))]
         cycle
       end if
       held%node = supports(i)%node

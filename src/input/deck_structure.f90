@@ -466,7 +466,8 @@ contains
     allocate (is_slave(model%mesh%n_nodes), is_bound(model%mesh%n_nodes), source=.false.)
     if (.not. allocated(model%structure) .or. size(model%pairs) == 0) return
     do i = 1, size(model%pairs)
-      is_slave(model%surfaces(model%pairs(i)%slave)%nodes) = .true.
+      if (model%pairs(i)%slave == 0) cycle       ! an error: there is no such surface
+      if (allocated(model%surfaces(model%pairs(i)%slave)%nodes)) is_slave(model%surfaces(model%pairs(i)%slave)%nodes) = .true.
     end do
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))

@@ -5,7 +5,8 @@
 !! determined but for such a motion. As many degrees of freedom as there are free motions are held, chosen so that they hold them
 !! best (largest rows first, with orthogonalization). Their reactions balance the work of the loads on the motions, which is zero:
 !! stresses and strains do not depend on the choice. A beam that may turn about its axis is held by the mean rotation of one
-!! cross-section, which its deflection does not enter. Bodies with contact are left alone: contact forces are not known beforehand.
+!! cross-section, which its deflection does not enter; a shell by mean displacements of its fibres. Bodies with contact are left
+!! alone: contact forces are not known beforehand.
 module amontons_balanced_bodies
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
@@ -14,13 +15,14 @@ module amontons_balanced_bodies
   use amontons_external_loads, only: assemble_external_loads
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
+  use amontons_structural_data, only: find_node_directors
   use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_state, only: state_type, slave_state_type, create_state
   use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list
   use amontons_model_check_motion, only: free_body_type, find_free_bodies, rigid_motion
   implicit none
   private
-  public :: balancing_support_type, find_balancing_supports, spin_equation
+  public :: balancing_support_type, find_balancing_supports, support_equation
 
   real(DP), parameter :: TOL_BALANCED = 1.0e-6_DP      !< work of all loads over the sum of the works of each nodal force [-]
   real(DP), parameter :: MAX_SINE = 1.0e-3_DP          !< between a beam and the axis of a rotation about the beam [-]
@@ -32,8 +34,8 @@ module amontons_balanced_bodies
     integer :: step = 0
     integer :: node = 0
     integer :: dof = 0
-    integer :: director = 0                      !< the mean rotation of this cross-section is held in place of dof; 0: none
-    real(DP) :: axis(3) = 0                      !< about this axis, a unit vector
+    integer :: director = 0                      !< dof is held in the mean over this fibre or cross-section; 0: at the node
+    real(DP) :: axis(3) = 0                      !< the mean rotation about it is held in place of dof: a unit vector; 0: dof
   end type balancing_support_type
 
 contains
@@ -111,7 +113,7 @@ contains
     text = ''
     do i = 1, size(supports)
       label = to_text(model%mesh%node_label(supports(i)%node))
-      if (supports(i)%director > 0) then
+      if (supports(i)%dof == 0) then
         text = 'the mean rotation of the cross-section at node ' // label
       else
         text = join_item(text, 'node ' // label // ' along ' // AXES(supports(i)%dof), i == size(supports))
@@ -260,27 +262,38 @@ contains
   end function turned_arms
 
 
-  !> The equation of a support that holds the mean rotation of a cross-section; any of its terms may be eliminated.
-  function spin_equation(model, support) result(equation)
+  !> The equation of a support that holds the mean rotation of a cross-section, or the mean displacement of a fibre; any of its
+  !! terms may be eliminated.
+  function support_equation(model, support) result(equation)
     type(model_type), intent(in) :: model
     type(balancing_support_type), intent(in) :: support
     type(equation_type) :: equation
     real(DP) :: coefficient(12)
     logical :: is_used(12)
-    coefficient = reshape(turned_arms(model, support%director, support%axis), [12])
-    coefficient = coefficient / norm2(coefficient)
-    is_used = abs(coefficient) > MIN_TURN
-    equation%node = pack(reshape(spread(model%structure%directors(support%director)%nodes(:4), 1, 3), [12]), is_used)
-    equation%dof = pack([1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3], is_used)
-    equation%coefficient = pack(coefficient, is_used)
-    equation%n_eliminable = count(is_used)
-    equation%card = 'BEAM SECTION'
+    associate (director => model%structure%directors(support%director))
+      if (support%dof == 0) then
+        coefficient = reshape(turned_arms(model, support%director, support%axis), [12])
+        coefficient = coefficient / norm2(coefficient)
+        is_used = abs(coefficient) > MIN_TURN
+        equation%node = pack(reshape(spread(director%nodes(:4), 1, 3), [12]), is_used)
+        equation%dof = pack([1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3], is_used)
+        equation%coefficient = pack(coefficient, is_used)
+        equation%card = 'BEAM SECTION'
+      else
+        equation%node = director%nodes(:director%n_outer)
+        equation%dof = spread(support%dof, 1, director%n_outer)
+        equation%coefficient = spread(1 / real(director%n_outer, DP), 1, director%n_outer)
+        equation%card = 'SHELL SECTION'
+      end if
+    end associate
+    equation%n_eliminable = size(equation%node)
     equation%first_step = support%step
     equation%last_step = support%step
-  end function spin_equation
+  end function support_equation
 
 
   !> The nodes of a body that may be held: with elements, in global directions, in no support, equation or multi-point constraint.
+  !! Equations connect all nodes of shells: of a body without other nodes those are held whose fibre is in no support.
   function find_usable_nodes(model, bodies, body, step) result(is_usable)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -293,11 +306,34 @@ contains
     do i = 1, size(model%equations)
       is_usable(model%equations(i)%node) = .false.
     end do
-    if (.not. allocated(model%nonlinear_mpcs)) return
-    do i = 1, size(model%nonlinear_mpcs)
-      is_usable(model%nonlinear_mpcs(i)%node) = .false.
+    if (allocated(model%nonlinear_mpcs)) then
+      do i = 1, size(model%nonlinear_mpcs)
+        is_usable(model%nonlinear_mpcs(i)%node) = .false.
+      end do
+    end if
+    if (any(is_usable) .or. .not. allocated(model%structure)) return
+    do i = 1, size(model%structure%directors)
+      is_usable(model%structure%directors(i)%node) = single_fibre(model, model%structure%directors(i)%node) == i .and. &
+        bodies%of_node(model%structure%directors(i)%nodes(1)) == body
     end do
+    if (allocated(model%frame_of)) is_usable = is_usable .and. model%frame_of == 0
+    is_usable(model%steps(step)%prescribed%node) = .false.
   end function find_usable_nodes
+
+
+  !> The only fibre of a node of a shell; 0: none, a beam, or several at a knot.
+  integer function single_fibre(model, node) result(fibre)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node
+    integer :: first, last
+    fibre = 0
+    if (.not. allocated(model%structure)) return
+    if (node > model%structure%n_deck_nodes) return
+    call find_node_directors(model%structure, node, first, last)
+    if (first == last) fibre = first
+    if (fibre == 0) return
+    if (model%structure%directors(fibre)%n_outer /= 2) fibre = 0
+  end function single_fibre
 
 
   !> Chooses degrees of freedom that hold the motions: the one that moves most, then the one that moves most in the motions that
@@ -312,7 +348,7 @@ contains
     real(DP), parameter :: MIN_PART = 1.0e-3_DP    !< a smaller motion of a degree of freedom does not hold [-]
     real(DP), parameter :: MIN_GAIN = 1.001_DP     !< a later node is taken only if it moves more by this factor [-]
     real(DP) :: motions(6, free%n), rows(3, free%n), largest, direction(free%n)
-    integer :: i, k, m, node, dof
+    integer :: i, k, m, node, dof, fibre
     allocate (supports(0))
     motions = free%motions(:, :free%n)
     do m = 1, free%n
@@ -322,8 +358,9 @@ contains
       do i = 1, model%mesh%n_nodes
         if (.not. is_usable(i)) cycle
         rows = matmul(rigid_motion(bodies%list(free%body), model%mesh%coordinates(:, i)), motions)
+        fibre = single_fibre(model, i)
         do k = 1, 3
-          if (norm2(rows(k, :)) <= MIN_GAIN * largest .or. model%mesh%is_unstiffened(k, i)) cycle
+          if (norm2(rows(k, :)) <= MIN_GAIN * largest .or. (fibre == 0 .and. model%mesh%is_unstiffened(k, i))) cycle
           largest = norm2(rows(k, :))
           direction = rows(k, :) / largest
           node = i
@@ -331,7 +368,7 @@ contains
         end do
       end do
       if (largest <= MIN_PART) return
-      supports = [supports, balancing_support_type(step, node, dof)]
+      supports = [supports, balancing_support_type(step, node, dof, single_fibre(model, node))]
       motions = motions - matmul(reshape(matmul(motions, direction), [6, 1]), reshape(direction, [1, free%n]))
     end do
   end subroutine choose_supports

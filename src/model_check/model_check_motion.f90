@@ -65,7 +65,8 @@ module amontons_model_check_motion
 
 contains
 
-  !> The bodies that can move alone in a step, without regard to contact. Bodies that equations couple do not count.
+  !> The bodies that can move alone in a step, without regard to contact. Bodies that equations couple do not count, except a body
+  !! of shells or beams with the nodes of its own fibres, which move with it.
   subroutine find_free_bodies(model, bodies, step, free)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -76,6 +77,7 @@ contains
     type(finding_type), allocatable :: findings(:)
     type(free_body_type) :: found
     integer :: i
+    integer, allocatable :: body_of_fibre(:)
     allocate (free(0))
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
@@ -83,15 +85,47 @@ contains
     call allocate_rows(bodies%n, rows)
     call add_equations(model, bodies, bases, rows)
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
+    call find_bodies_of_fibres(model, bodies, body_of_fibre)
     do i = 1, size(findings)
-      if (findings(i)%code /= FINDING_FREE .or. size(findings(i)%bodies) /= 1) cycle
+      if (findings(i)%code /= FINDING_FREE) cycle
       found%body = findings(i)%bodies(1)
       if (bodies%list(found%body)%n_elements == 0) cycle
+      if (any(body_of_fibre(findings(i)%bodies(2:)) /= found%body)) cycle
       found%n = size(findings(i)%motions, 2)
       found%motions(:, :found%n) = findings(i)%motions
       free = [free, found]
     end do
   end subroutine find_free_bodies
+
+
+  !> The body of the elements in which the fibre of a node lies, for each body that is such a node of a shell or beam alone.
+  subroutine find_bodies_of_fibres(model, bodies, of_fibre)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, allocatable, intent(out) :: of_fibre(:)   !< (bodies) 0: none
+    integer :: i
+    allocate (of_fibre(bodies%n), source=0)
+    if (.not. allocated(model%structure)) return
+    do i = 1, size(model%structure%directors)
+      associate (director => model%structure%directors(i))
+        call assign(director%node)
+        if (allocated(model%rotation_of)) call assign(model%rotation_of(director%node))
+      end associate
+    end do
+
+  contains
+
+    !> Assigns a node of the deck, or the one of its rotation, to the body of its fibre.
+    subroutine assign(node)
+      integer, intent(in) :: node                !< 0: none
+      integer :: b
+      if (node == 0) return
+      b = bodies%of_node(node)
+      if (b == 0) return
+      if (bodies%list(b)%n_elements == 0) of_fibre(b) = bodies%of_node(model%structure%directors(i)%nodes(1))
+    end subroutine assign
+
+  end subroutine find_bodies_of_fibres
 
 
   !> Reports unrestrained rigid motions of each step (errors), and those that only open contact restrains at the start (warnings).

@@ -161,3 +161,12 @@ def test_parameters_of_beams_that_statics_does_not_need(run_deck: Run, tmp_path:
     assert rows[0] == rows[1]
     exact = 10 * 8**3 / (3 * 1e5 / 12)  # bending alone
     assert next(iter(rows[0].values()))[2] == pytest.approx(-exact, rel=0.03)  # shear adds 1 % at this length, and two-node beams are too stiff by 1 %
+
+
+def test_a_pair_of_a_missing_surface_of_shells(run_deck: Run) -> None:
+    """A contact pair of shells whose slave surface is missing is an error with its line, as in any model."""
+    deck = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n*ELEMENT, TYPE=S4, ELSET=E\n1, 1, 2, 3, 4\n"
+    deck += "*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n*SHELL SECTION, ELSET=E, MATERIAL=M\n0.1\n*SURFACE, NAME=S\nE, SPOS\n"
+    done = run_deck(deck + INTERACTION + "*CONTACT PAIR, INTERACTION=I\nMISSING, S\n" + step(""))
+    assert done.returncode == 3
+    assert "There is no surface 'MISSING'" in done.stdout, done.stdout

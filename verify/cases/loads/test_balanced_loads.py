@@ -119,3 +119,23 @@ def test_message(run: Run, tmp_path: Path) -> None:
     (tmp_path / "pushed.inp").write_text(free_deck(mesh, f"*DSLOAD\nENDS, P, {PRESSURE}\n*CLOAD\n1, 1, 0.1\n"))
     done = run(["--outdir", tmp_path, tmp_path / "pushed.inp"], tmp_path)
     assert done.returncode == 4 and "can move and turn freely" in done.stdout, done.stdout
+
+
+def test_a_shell_on_a_hinge(run: Run, tmp_path: Path) -> None:
+    """A strip of S4 whose end is held without its rotations, pulled along itself: u = F x / (E A), and it does not turn."""
+    length, width, thickness, force = 4.0, 1.0, 0.1, 12.0
+    rows = "".join(f"{1 + i + 5 * j}, {length * i / 4}, {width * j}, 0.\n" for j in (0, 1) for i in range(5))
+    cells = "".join(f"{i}, {i}, {i + 1}, {i + 6}, {i + 5}\n" for i in range(1, 5))
+    (tmp_path / "hinge.inp").write_text(
+        f"*NODE\n{rows}*ELEMENT, TYPE=S4, ELSET=STRIP\n{cells}*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, 0.\n"
+        f"*SHELL SECTION, ELSET=STRIP, MATERIAL=M\n{thickness}\n*BOUNDARY\n1, 1, 3\n6, 1, 3\n*STEP\n*STATIC\n"
+        f"*CLOAD\n5, 1, {force / 2}\n10, 1, {force / 2}\n*END STEP\n"
+    )
+    done = run(["--outdir", tmp_path, tmp_path / "hinge.inp"], tmp_path)
+    assert done.returncode == 0 and "balance each other" in done.stdout, done.stdout
+    with h5py.File(tmp_path / "hinge.vtkhdf") as data:
+        n = int(data["VTKHDF/NumberOfPoints"][-1])
+        x, u = data["VTKHDF/Points"][-n:], data["VTKHDF/PointData/U"][-n:]
+    stretch = force / (YOUNG * width * thickness)
+    assert np.abs(u[:, 0] - stretch * x[:, 0]).max() < 1e-9 * stretch * length
+    assert np.abs(u[:, 1:]).max() < 1e-9 * stretch * length

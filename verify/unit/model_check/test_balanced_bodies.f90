@@ -11,6 +11,8 @@ program test_balanced_bodies
   character(*), parameter :: CUBE = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;9,5,5,5;' // &
     '*ELEMENT, TYPE=C3D8, ELSET=CUBE;1,1,2,3,4,5,6,7,8;*MATERIAL, NAME=M;*ELASTIC;1000.,0.3;*EXPANSION;1E-5;' // &
     '*SOLID SECTION, ELSET=CUBE, MATERIAL=M;'
+  character(*), parameter :: SHEET = '*NODE;21,9,0,0;22,10,0,0;23,10,1,0;24,9,1,0;*ELEMENT, TYPE=S4, ELSET=SHEET;' // &
+    '9,21,22,23,24;*SHELL SECTION, ELSET=SHEET, MATERIAL=M;0.1;'
   character(*), parameter :: SQUEEZE = '*DLOAD;1,P4,5.;1,P6,5.;'
   type(suite_type) :: suite
   type(balancing_support_type), allocatable :: supports(:)
@@ -50,6 +52,11 @@ contains
     call find('*NODE;10,6,5,5;*ELEMENT, TYPE=B31, ELSET=ROD;7,9,10;*BEAM SECTION, ELSET=ROD, MATERIAL=M, SECTION=RECT;' // &
       '.1,.2;0,0,1;*BOUNDARY;1,1,3;2,2,3;3,3,3;9,1,6;', '*CLOAD;10,2,-1.;')
     call suite%that('a beam whose clamp holds its rotation', size(supports) == 0)
+    call find(SHEET // '*BOUNDARY;21,1,3;24,1,3;', '*CLOAD;22,1,5.;')
+    call suite%that('a shell on a hinge', size(supports) == 1 .and. index(text, 'set SHEET') > 0)
+    if (size(supports) == 1) call suite%that('by the mean of a fibre', supports(1)%director > 0 .and. supports(1)%dof == 3)
+    call find(SHEET // '*BOUNDARY;21,1,3;24,1,3;', '*CLOAD;22,3,5.;')
+    call suite%that('a shell that its load turns about the hinge', size(supports) == 0)
   end subroutine check_partly_held
 
 
