@@ -23,11 +23,11 @@ module amontons_contact_pairs
   use amontons_analytic_profiles, only: profile_length, PROFILE_PLANAR
   use amontons_sparse, only: sparse_type
   use amontons_shared_slave_nodes, only: shared_slaves_type, find_shared_slaves, global_axes, resize_shared_slaves, &
-    MIN_PARALLEL_COSINE
+    n_slaves_at, have_others, MIN_PARALLEL_COSINE
   use amontons_facets, only: facets_type, build_facets, is_unseen
   use amontons_self_contact_visibility, only: find_unseen_facets, current_node_normal
   use amontons_analytic_master, only: build_profile_facets
-  use amontons_exterior_surface, only: depths_below, common_depth
+  use amontons_exterior_surface, only: depths_below, common_depth, reached_depth
   use amontons_facet_search, only: facet_search_type, renew_facet_search
   use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, rotate_with_normal, differentiate_rotation
@@ -161,9 +161,9 @@ contains
     if (allocated(model%pretension_node_pairs)) call mark_pretension_duplicates(contact, model, slaves)
     call find_shared_slaves(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%shared_slaves)
     do p = 1, size(model%pairs)
-      if (model%pairs(p)%is_mortar) contact%mortar(p)%has_unique_slaves = all(contact%shared_slaves%first(contact%mortar(p)%nodes &
-        + 1) &
-        - contact%shared_slaves%first(contact%mortar(p)%nodes) <= 1)
+      if (.not. model%pairs(p)%is_mortar) cycle
+      contact%mortar(p)%has_other_masters = n_slaves_at(contact%shared_slaves, contact%mortar(p)%nodes) > 1
+      contact%mortar(p)%has_unique_slaves = .not. any(contact%mortar(p)%has_other_masters)
     end do
     allocate (contact%free_mask(3, n), source=1.0_DP)
     allocate (contact%axes, source=global_axes(n))
@@ -176,9 +176,9 @@ contains
   end subroutine create_contact
 
 
-  !> The depth behind a facet from which nodes do not see it: in general and self contact that of its element (`common_depth`),
-  !! else that of a body both of whose sides are in the master, as of a sheet or a whole exterior. A slave beyond the one side is
-  !! not behind the other.
+  !> The depth behind a facet from which nodes do not see it: in general contact how far a slave reaches (`reached_depth`), in self
+  !! contact that of its element (`common_depth`), else that of a body both of whose sides are in the master, as of a sheet or a
+  !! whole exterior. A slave beyond the one side is not behind the other.
   subroutine limit_depth(model, p, edge, facets)
     type(model_type), intent(in) :: model
     integer, intent(in) :: p                       !< pair
@@ -187,8 +187,11 @@ contains
     real(DP) :: thickness(facets%n)
     if (allocated(facets%profile)) return
     if (model%pairs(p)%is_general .or. is_self_contact(model%pairs(p))) then
-      facets%max_depth = MAX_DEPTH_SHARE * common_depth(depths_below(model%mesh, facets), facets%edge_length, &
-        model%pairs(p)%slave_depth) + max(0.0_DP, -model%pairs(p)%height)
+      thickness = depths_below(model%mesh, facets)
+      if (.not. is_self_contact(model%pairs(p))) thickness = reached_depth(thickness, &
+        model%surfaces(model%pairs(p)%master)%thickness, model%pairs(p)%slave_edge)
+      facets%max_depth = MAX_DEPTH_SHARE * common_depth(thickness, facets%edge_length, model%pairs(p)%slave_depth) &
+        + max(0.0_DP, -model%pairs(p)%height)
       return
     end if
     call measure_thickness(facets, model%mesh%coordinates, SEARCH_RADIUS_RATIO * edge, thickness)
@@ -444,6 +447,7 @@ contains
     contact%mortar%is_compliant = is_compliant(contact%laws)
     do p = 1, size(is_wanted)
       if (.not. is_wanted(p)) cycle
+      if (is_start) contact%mortar(p)%has_other_masters = n_slaves_at(contact%shared_slaves, contact%mortar(p)%nodes) > 1
       if (present(is_apart)) are_apart = rows_apart(p)
       call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, SEARCH_RADIUS_RATIO * &
         contact%edge(p), are_apart)
@@ -451,6 +455,7 @@ contains
     if (.not. contact%shared_slaves%has_multi_pair_nodes .or. count(is_wanted) < 2) return
     is_shared = is_wanted .and. .not. contact%mortar%has_unique_slaves
     if (is_start) contact%seam = SEAM_UNKNOWN
+    if (is_start) call find_other_masters()
     is_found = is_start
     if (.not. is_start) call mark_second_masters(contact, slaves, is_wanted, is_found)
     if (is_found .and. .not. is_start) call rebuild()
@@ -463,6 +468,20 @@ contains
     call merge_rows_at_seams(contact, slaves, is_wanted, x)
 
   contains
+
+    !> Which nodes of several pairs have a master in another one at the start of the increment. Without one a single pair acts on
+    !! them, and its rows are those of a single pair.
+    subroutine find_other_masters()
+      logical :: may_touch(size(slaves)), has_other(size(slaves))
+      may_touch = .true.                           ! unknown at nodes
+      do s = 1, size(slaves)
+        if (slaves(s)%row > 0) may_touch(s) = contact%mortar(slaves(s)%pair)%places(slaves(s)%row)%vertex > 0
+      end do
+      has_other = have_others(contact%shared_slaves, may_touch)
+      do s = 1, size(slaves)
+        if (slaves(s)%row > 0) contact%mortar(slaves(s)%pair)%has_other_masters(slaves(s)%row) = has_other(s)
+      end do
+    end subroutine find_other_masters
 
     !> The rows of a pair whose slaves stay open.
     pure function rows_apart(p) result(rows)

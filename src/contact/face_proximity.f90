@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_face_proximity
   use amontons_kinds, only: DP
-  use amontons_exterior_surface, only: exterior_type, common_depth, is_thin, has_area
+  use amontons_exterior_surface, only: exterior_type, common_depth, reached_depth, is_thin, has_area
   use amontons_facets, only: facets_type
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: MAX_DEPTH_SHARE
@@ -89,9 +89,18 @@ contains
       return
     end if
     if (cosine > -0.5_DP) front = front + lateral * sqrt(1 - cosine**2)   ! inclined: the centres do not show which is in front
-    depth = min(common_depth(exterior%depth(f), exterior%edge_length(f), exterior%depth(m)), &
-      common_depth(exterior%depth(m), exterior%edge_length(m), exterior%depth(f)))
+    depth = min(common_depth(face_depth(f, m), exterior%edge_length(f), exterior%thickness(m)), &
+      common_depth(face_depth(m, f), exterior%edge_length(m), exterior%thickness(f)))
     are_near = front >= min(0.0_DP, height) - MAX_DEPTH_SHARE * depth - motion
+
+  contains
+
+    !> How deep another face may lie behind a face [length].
+    pure real(DP) function face_depth(own, other)
+      integer, intent(in) :: own, other            !< faces
+      face_depth = reached_depth(exterior%depth(own), exterior%thickness(own), exterior%edge_length(other))
+    end function face_depth
+
   end function are_near
 
 

@@ -2,8 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Two faces of different bodies are *near* if their normals oppose, the distance of their boxes is within the reach, and neither
-!! lies behind the other by more than the elements below them are deep. (Faces on the far sides of two sheets that touch oppose each
-!! other too, one behind the other by both thicknesses.) The reach is the search radius of contact pairs and the way that the
+!! lies behind the other by more than it can reach there (`reached_depth`). (Faces on the far sides of two sheets that touch oppose
+!! each other too, one behind the other by both thicknesses.) The reach is the search radius of contact pairs and the way that the
 !! bodies can move in the steps: a small one widens the comparison face by face; a large one adds the faces of whole patches.
 !!
 !! A pair has the near faces of one smooth patch as slave, so that the sides of a corner belong to different pairs, and all near
@@ -19,6 +19,7 @@ module amontons_general_contact
   use amontons_body_motion, only: estimate_motion
   use amontons_contact_heights, only: assign_heights
   use amontons_exterior_surface, only: exterior_type, build_exterior, is_thin, has_area
+  use amontons_body_thickness, only: measure_body_thickness
   use amontons_facets, only: facets_type
   use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -132,6 +133,8 @@ contains
     else
       call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
     end if
+    if (exterior%n > 0) call measure_body_thickness(model%mesh, exterior, SEARCH_RADIUS_RATIO * maxval(exterior%edge_length), &
+      exterior%thickness)
     call assign_heights(model, exterior)
   end subroutine build_model_exterior
 
@@ -469,7 +472,7 @@ contains
         if (motion <= SEARCH_RADIUS_RATIO * exterior%edge_length(f)) then
           call build_profile_facets(model%surfaces(s)%profile, exterior%edge_length(f), facets)
           call find_profile_projection(facets, model%mesh%coordinates, exterior%centre(:, f), reach, projection)
-          if (projection%status /= PROJECTION_INSIDE .or. projection%gap > reach .or. projection%gap < -exterior%depth(f)) cycle
+          if (projection%status /= PROJECTION_INSIDE .or. projection%gap > reach .or. projection%gap < -exterior%thickness(f)) cycle
           if (dot_product(projection%normal, exterior%normal(:, f)) > -MIN_FACING_COSINE) cycle
         end if
         associate (nodes => [exterior%nodes(exterior%first(f)), model%surfaces(s)%nodes(1)])
@@ -660,7 +663,8 @@ contains
     integer :: reason, g, h, s
     has_profile = partner > data%n_groups
     if (size(masters) == 0 .and. .not. has_profile) return
-    pair%slave_depth = minval(exterior%depth(slaves))
+    pair%slave_depth = minval(exterior%thickness(slaves))
+    pair%slave_edge = maxval(exterior%edge_length(slaves))
     if (.not. has_profile) then                    ! two sheets: the sides that face each other at the start, to half an edge
       if (any(is_rigid_sheet(exterior, data, slaves)) .and. any(is_rigid_sheet(exterior, data, masters))) pair%slave_depth = &
         minval(exterior%edge_length(slaves))
@@ -798,6 +802,7 @@ contains
     list = pack([(f, f=1, exterior%n)], is_in)
     surface%element = exterior%element(list)
     surface%face = exterior%face(list)
+    surface%thickness = exterior%thickness(list)
     has_node = .false.
     do i = 1, size(list)
       has_node(exterior%nodes(exterior%first(list(i)):exterior%first(list(i) + 1) - 1)) = .true.

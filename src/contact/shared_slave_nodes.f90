@@ -14,9 +14,8 @@ module amontons_shared_slave_nodes
   implicit none
   private
   public :: MIN_FREE_PART
-  public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, resize_shared_slaves, order_slave_levels, &
-    free_projector, support_free_projector, global_axes, &
-    is_friction_in_other_pair, MIN_PARALLEL_COSINE
+  public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, n_slaves_at, have_others, resize_shared_slaves, &
+    order_slave_levels, free_projector, support_free_projector, global_axes, is_friction_in_other_pair, MIN_PARALLEL_COSINE
 
   real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this constrain the same direction [-]
   real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP  !< a normal with a smaller free part than this is fixed by supports or
@@ -64,6 +63,30 @@ contains
         shared%first(slaves(s)%node + 1) > shared%first(slaves(s)%node)
     end do
   end subroutine find_shared_slaves
+
+
+  !> The number of exact slaves at nodes.
+  elemental integer function n_slaves_at(shared, node) result(n)
+    type(shared_slaves_type), intent(in) :: shared
+    integer, intent(in) :: node
+    n = shared%first(node + 1) - shared%first(node)
+  end function n_slaves_at
+
+
+  !> Whether other slaves of its node may touch, for each slave. Cost: linear.
+  pure function have_others(shared, may_touch) result(has_other)
+    type(shared_slaves_type), intent(in) :: shared
+    logical, intent(in) :: may_touch(:)            !< (n_slaves)
+    logical :: has_other(size(may_touch))
+    integer :: node, n
+    has_other = .false.
+    do node = 1, size(shared%first) - 1
+      associate (own => shared%member(shared%first(node):shared%first(node + 1) - 1))
+        n = count(may_touch(own))
+        has_other(own) = n > 1 .or. (n == 1 .and. .not. may_touch(own))
+      end associate
+    end do
+  end function have_others
 
 
   !> Adapts the arrays to a new number of slaves; the new ones are of compliant pairs and are not listed at nodes.

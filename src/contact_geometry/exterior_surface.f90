@@ -15,7 +15,7 @@ module amontons_exterior_surface
   use amontons_facets, only: facets_type, facet_nodes, n_facet_corners
   implicit none
   private
-  public :: exterior_type, build_exterior, measure_faces, depths_below, common_depth, is_thin, has_area
+  public :: exterior_type, build_exterior, measure_faces, depths_below, common_depth, reached_depth, is_thin, has_area
 
   real(DP), parameter :: FEATURE_ANGLE = PI / 4            !< a sharper edge is a crease [rad]
   integer, parameter :: MAX_FACE_CORNERS = 4
@@ -39,6 +39,7 @@ module amontons_exterior_surface
     real(DP), allocatable :: edge_length(:)        !< (n) of the longest edge [length]
     real(DP), allocatable :: area(:)               !< (n) [length^2]; of an edge of a plane element its length
     real(DP), allocatable :: depth(:)              !< (n) of the element below the face [length]
+    real(DP), allocatable :: thickness(:)          !< (n) of the body below the face, if measured (`body_thickness`) [length]
     real(DP), allocatable :: height(:)             !< (n) of the surface in contact above the face; 0 from `build_exterior` [length]
     real(DP), allocatable :: x(:, :)               !< (3, n_nodes) coordinates, if a face is thin (`is_thin`) [length]
   end type exterior_type
@@ -283,6 +284,15 @@ contains
     seen = depth
     if (is_thin(depth, edge)) seen = max(depth, 0.5_DP * slave_depth)
   end function common_depth
+
+
+  !> How deep a face of another body may reach behind a face: by the element there, or by its own longest edge, because a coarse
+  !! face lies between its nodes behind many fine elements; but not through the body.
+  elemental real(DP) function reached_depth(depth, thickness, other_edge) result(reached)
+    real(DP), intent(in) :: depth, thickness       !< of the element and of the body below the face [length]
+    real(DP), intent(in) :: other_edge             !< longest of the other face [length]
+    reached = max(depth, min(thickness, other_edge))
+  end function reached_depth
 
 
   !> The depths of the elements below facets, in the reference configuration [length].

@@ -29,6 +29,7 @@ module amontons_surfaces
     integer, allocatable :: element(:)          !< (n_facets) element of each facet; empty if node based
     integer, allocatable :: face(:)             !< (n_facets) its face number 1 to 6
     integer, allocatable :: nodes(:)            !< its nodes, each once, ascending; of a profile the carrier nodes
+    real(DP), allocatable :: thickness(:)       !< (n_facets) general contact: of the body below each facet [length]
     type(analytic_profile_type), allocatable :: profile  !< analytic rigid surface
   end type surface_type
 
@@ -67,7 +68,8 @@ module amontons_surfaces
     real(DP) :: clearance = 0                   !< the initial gap [length]
     character(:), allocatable :: name           !< 'slave / master', for messages
     logical :: is_general = .false.             !< found by general contact: its surfaces may be apart and turn away from each other
-    real(DP) :: slave_depth = 0                 !< of it: the least depth of the elements below the slave faces [length]
+    real(DP) :: slave_depth = 0                 !< of it: the least thickness of the body below the slave faces [length]
+    real(DP) :: slave_edge = 0                  !< of it: the longest edge of the slave faces [length]
     real(DP) :: height = 0                      !< of it: how far both surfaces stand before their faces, together [length]
   end type contact_pair_type
 

@@ -81,6 +81,7 @@ module amontons_mortar
     integer, allocatable :: corner_rows(:, :)             !< (2, n) their positions in nodes(:)
     logical, allocatable :: is_decoupled(:)  !< (n) no other row gives a force to the nodes whose imbalance forms that of the row
     logical :: has_unique_slaves = .true.                   !< its nodes are slaves of no other pair with exact contact
+    logical, allocatable :: has_other_masters(:)   !< (n) slaves of other pairs, too, with a master there in this increment
     integer, allocatable :: node_pairs(:, :)            !< (2, n) rows of nodes, and of the nodes bound to them by an equation
     logical, allocatable :: is_at_seam(:)  !< (n) another pair has a coplanar master there, or may: the row continues
     logical, allocatable :: was_at_seam(:)  !< (n) another pair has one, at the last comparison of the increment
@@ -116,7 +117,8 @@ contains
     n = size(nodes)
     mortar%nodes = nodes
     allocate (mortar%places(n), mortar%rows(n), mortar%origin_rows(n))
-    allocate (mortar%was_closed(n), mortar%is_at_seam(n), mortar%was_at_seam(n), mortar%is_left_out(n), source=.false.)
+    allocate (mortar%was_closed(n), mortar%is_at_seam(n), mortar%was_at_seam(n), mortar%is_left_out(n), &
+      mortar%has_other_masters(n), source=.false.)
     allocate (mortar%excess_limits(n), source=MAX_EXCESS)
     allocate (mortar%node_pairs(2, 0))
     of_node = 0
@@ -360,7 +362,7 @@ contains
     real(DP), intent(in) :: reach                  !< larger distances between facets are ignored [length]
     logical, intent(in), optional :: is_apart(:)   !< (n) nodes that stay open since the last call without it
     if (.not. mortar%is_made) mortar%base_rows = mortar%rows
-    if (is_start) mortar%is_at_seam = .not. mortar%has_unique_slaves
+    if (is_start) mortar%is_at_seam = mortar%has_other_masters
     if (is_start) mortar%excess_limits = MAX_EXCESS
     call prepare_segmentation(mortar, master, is_start, x)
     call segment_facets(mortar, master, search, x, reach, is_apart)
@@ -408,10 +410,8 @@ contains
     end do
     mortar%excess_limits = merge(MAX_EXCESS_LEAVING, MAX_EXCESS_ENTERING, mortar%transferred_fraction <= 0.0_DP)
     if (.not. mortar%is_compliant) call keep_isolated_facets(mortar)
-    if (.not. mortar%has_unique_slaves) then       ! other pairs act on these nodes: no row takes their functions
-      mortar%is_left_out = mortar%transferred_fraction >= 1.0_DP .and. .not. mortar%is_compliant
-      mortar%transferred_fraction = 0.0_DP
-    end if
+    mortar%is_left_out = mortar%has_other_masters .and. mortar%transferred_fraction >= 1.0_DP .and. .not. mortar%is_compliant
+    where (mortar%has_other_masters) mortar%transferred_fraction = 0.0_DP   ! other pairs act on them: no row takes their functions
     call fill_rows(mortar, master, x)
     call find_decoupled_rows(mortar)
     do f = 1, size(mortar%node_pairs, 2)

@@ -7,6 +7,10 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
+
+from verify.decks.grids import bodies_deck, grid
+from verify.decks.make_decks import Floats
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import between, fix, pair, sheet, step
 
@@ -71,6 +75,24 @@ def sheets_in_a_stack(kind: str) -> str:
     pairs = "".join(pair(f"{upper}_BOTTOM", f"{lower}_TOP", 0.3) for lower, upper in zip(names, names[1:], strict=False))
     loads = fix("A_BOTTOM, 2", *(f"{name}_LEFT, 1" for name in names)) + "*DSLOAD\nD_TOP, P, 3.\n"
     return flat_deck([(part, SOFT) for part in parts], kind, pairs + step(loads, 1, is_nlgeom=True))
+
+
+def half_cylinder_on_block(n_block: int, slave: str, gap: float = 0.0) -> str:
+    """A half cylinder of radius 1.5 with 24 elements of 0.25 through the wall, pressed 0.3 into a block of length 20, then dragged over it by 14.
+
+    slave: BLOCK (with few elements it reaches through several of the cylinder) or CYL.
+    """
+    radius, way, height = 1.5, 14.0, 2.0
+
+    def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        r = radius * (1 - 0.5 * t)
+        return 3 + r * np.cos(np.pi * (1 + s)), height + gap + radius + r * np.sin(np.pi * (1 + s))
+
+    block, cylinder = grid("BLOCK", between(0, 20, n_block), between(0, height, 2)), grid("CYL", between(0, 1, 24), between(0, 1, 3), place=place)
+    contact = pair("BLOCK_T1", "CYL_T0") if slave == "BLOCK" else pair("CYL_T0", "BLOCK_T1")
+    press = step(fix("BLOCK_T0, 1, 2", "CYL_T1, 1", f"CYL_T1, 2, 2, {-0.3 - gap}"), 4, is_nlgeom=True)
+    drag = step(fix(f"CYL_T1, 1, 1, {way}"), 40, is_nlgeom=True)
+    return bodies_deck([(block, "*ELASTIC\n1000., 0.3\n"), (cylinder, "*ELASTIC\n20000., 0.3\n")], "CPE4", contact + press + drag)
 
 
 DECKS = {

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.decks.general_contact import DECKS, INPUT_DECKS, SOFT, STIFF, block_on_block, with_general_contact, with_pairs
+from verify.decks.general_contact import DECKS, INPUT_DECKS, SOFT, STIFF, block_on_block, half_cylinder_on_block, with_general_contact, with_pairs
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import between, fix, sheet, step
 
@@ -64,6 +64,24 @@ def test_choice_of_the_slave(run: Run, tmp_path: Path) -> None:
     deck = block_on_block("CPE4")
     output = compare(run, tmp_path, with_pairs(deck), with_general_contact(deck, has_roles=False))
     assert re.search(r"slave UPPER#\d+ \(\d+ faces\), master LOWER \(\d+ faces\), interaction ON_LOWER_TOP: the slave is softer\.", output)
+
+
+@pytest.mark.parametrize(("form", "n_block", "slave", "gap"), [
+    ("SURFACE", 8, "BLOCK", 0.0),
+    ("SURFACE", 16, "BLOCK", 0.0),
+    ("SURFACE", 16, "BLOCK", 1.0),
+    ("SURFACE", 8, "CYL", 0.0),
+    ("NODE", 60, "BLOCK", 0.0),
+    ("NODE", 16, "CYL", 1.0),
+])  # fmt: skip
+def test_long_way(run: Run, tmp_path: Path, form: str, n_block: int, slave: str, gap: float) -> None:
+    """A half cylinder is dragged over a block by nine of its radii. The faces of a coarse slave lie behind those of the cylinder by more than
+    one of its elements, and the sides of the block, which can meet the cylinder too, share nodes with its top."""
+    deck = half_cylinder_on_block(n_block, slave, gap)
+    general = with_general_contact(deck)
+    if form == "NODE":
+        general = general.replace("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n")
+    assert "General contact: " in compare(run, tmp_path, with_pairs(deck, form), general)
 
 
 def stretched(options: str = "") -> str:

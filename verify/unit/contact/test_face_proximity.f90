@@ -38,18 +38,26 @@ contains
     exterior%edge_length = [1.0_DP, 1.0_DP]
     exterior%area = [1.0_DP, 1.0_DP]
     exterior%depth = [depth, depth]
+    exterior%thickness = [depth, depth]
     exterior%height = [0.0_DP, 0.0_DP]
   end function two_squares
 
 
   !> The gap, the offset, the side and the depth.
   subroutine check_near()
+    type(exterior_type) :: exterior
     call suite%that('within the radius', are_near(two_squares(2.9_DP, 0.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
     call suite%that('beyond', .not. are_near(two_squares(3.1_DP, 0.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
     call suite%that('with motion', are_near(two_squares(3.1_DP, 0.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.2_DP))
     call suite%that('beside', .not. are_near(two_squares(0.1_DP, 2.5_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
     call suite%that('overlapping', are_near(two_squares(-0.5_DP, 0.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
     call suite%that('behind', .not. are_near(two_squares(-0.95_DP, 0.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
+    exterior = two_squares(-0.95_DP, 0.0_DP, 0.5_DP, 1.0_DP)
+    exterior%thickness = [1.5_DP, 0.5_DP]
+    call suite%that('one of two bodies is thin', .not. are_near(exterior, 1, 2, 3.0_DP, 0.0_DP))
+    exterior%thickness = [1.5_DP, 1.5_DP]
+    exterior%edge_length = [1.2_DP, 1.2_DP]
+    call suite%that('an edge reaches through layers', are_near(exterior, 1, 2, 3.0_DP, 0.0_DP))
     call suite%that('far sides', .not. are_near(two_squares(1.0_DP, 0.0_DP, 0.5_DP, -1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
   end subroutine check_near
 

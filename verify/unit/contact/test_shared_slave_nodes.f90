@@ -6,6 +6,7 @@ program test_shared_slave_nodes
   use amontons_slave_node_overrides, only: gives_way, NODE_OVERRIDE_EXTENDED
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_STICK
   use amontons_shared_slave_nodes, only: shared_slaves_type, reachable_nodes_type, find_shared_slaves, resize_shared_slaves, &
+    n_slaves_at, have_others, &
     order_slave_levels, free_projector, support_free_projector, global_axes, is_friction_in_other_pair
   use check, only: suite_type
   implicit none
@@ -15,6 +16,7 @@ program test_shared_slave_nodes
   call check_separate(suite)
   call check_projectors(suite)
   call check_friction(suite)
+  call check_others()
   call suite%finish()
 
 contains
@@ -34,6 +36,20 @@ contains
       facets(p)%nodes = [master_nodes(p)]
     end do
   end subroutine make_pairs
+
+
+  !> Node 1 has slaves of three pairs, of which one, two or none may touch; node 2 has a slave of one pair.
+  subroutine check_others()
+    type(slave_state_type), allocatable :: slaves(:)
+    type(facets_type), allocatable :: facets(:)
+    type(shared_slaves_type) :: shared
+    call make_pairs([1, 2, 1, 1], [3, 4, 5, 6], slaves, facets)
+    call find_shared_slaves(6, slaves, facets, spread(.true., 1, 4), shared)
+    call suite%that('slaves at nodes', all(n_slaves_at(shared, [1, 2, 3]) == [3, 1, 0]))
+    call suite%that('none', .not. any(have_others(shared, [.false., .true., .false., .false.])))
+    call suite%that('one', all(have_others(shared, [.true., .true., .false., .false.]) .eqv. [.false., .false., .true., .true.]))
+    call suite%that('two', all(have_others(shared, [.true., .true., .false., .true.]) .eqv. [.true., .false., .true., .true.]))
+  end subroutine check_others
 
 
   !> Slave at node 1 pushes node 2, a slave that pushes node 3, a slave that pushes node 4: three levels, whatever their order.

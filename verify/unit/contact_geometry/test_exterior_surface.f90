@@ -6,7 +6,7 @@ program test_exterior_surface
   use amontons_element_kinds, only: KIND_C3D8, KIND_CPE4
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_facets, only: facets_type, build_facets
-  use amontons_exterior_surface, only: exterior_type, build_exterior, measure_faces, depths_below
+  use amontons_exterior_surface, only: exterior_type, build_exterior, measure_faces, depths_below, reached_depth
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -68,6 +68,9 @@ contains
     call build_facets(mesh, exterior%element, exterior%face, facets, error)
     call suite%that('facets', .not. allocated(error))
     call suite%near('depths below facets', maxval(abs(depths_below(mesh, facets) - exterior%depth)), 0.0_DP, 1.0e-14_DP)
+    call suite%near('reached by an element', reached_depth(0.5_DP, 2.0_DP, 0.1_DP), 0.5_DP, 0.0_DP)
+    call suite%near('reached by a long edge', reached_depth(0.5_DP, 2.0_DP, 0.7_DP), 0.7_DP, 0.0_DP)
+    call suite%near('not through the body', reached_depth(0.5_DP, 2.0_DP, 7.0_DP), 2.0_DP, 0.0_DP)
     mesh%coordinates(3, :) = 2 * mesh%coordinates(3, :)
     call measure_faces(mesh, mesh%coordinates, exterior)
     call suite%near('depth of the stretched cubes', maxval(abs(exterior%depth - 1.0_DP)), 0.0_DP, 1.0e-14_DP)
