@@ -254,4 +254,4 @@ uses_job_query = kinds text containers errors element_kinds materials mesh state
 uses_library = kinds text errors posix logger sparse mpi_ranks model friction_slip_scenarios state unsymmetric_tangent assembly equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library
 uses_job_estimate = kinds text errors posix logger blas_lapack steps model assembly_plan assembly reduced_system schur_interface equilibrium newton_step job_files analysis
-uses_main = errors posix logger version mpi_ranks distributed_solver model card_table deck model_setup analysis job_estimate
+uses_main = errors posix logger version mpi_ranks model card_table deck model_setup analysis job_estimate

@@ -23,7 +23,7 @@ module amontons_contact_pairs
   use amontons_analytic_profiles, only: profile_length, PROFILE_PLANAR
   use amontons_sparse, only: sparse_type
   use amontons_shared_slave_nodes, only: shared_slaves_type, find_shared_slaves, global_axes, resize_shared_slaves, &
-    n_slaves_at, have_others, MIN_PARALLEL_COSINE
+    are_shared, have_others, MIN_PARALLEL_COSINE
   use amontons_facets, only: facets_type, build_facets, is_unseen
   use amontons_self_contact_visibility, only: find_unseen_facets, current_node_normal
   use amontons_analytic_master, only: build_profile_facets
@@ -162,7 +162,8 @@ contains
     call find_shared_slaves(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%shared_slaves)
     do p = 1, size(model%pairs)
       if (.not. model%pairs(p)%is_mortar) cycle
-      contact%mortar(p)%has_other_masters = n_slaves_at(contact%shared_slaves, contact%mortar(p)%nodes) > 1
+      contact%mortar(p)%has_other_masters = are_shared(contact%shared_slaves, contact%mortar(p)%nodes, &
+        allocated(contact%facets(p)%unseen))
       contact%mortar(p)%has_unique_slaves = .not. any(contact%mortar(p)%has_other_masters)
     end do
     allocate (contact%free_mask(3, n), source=1.0_DP)
@@ -447,7 +448,8 @@ contains
     contact%mortar%is_compliant = is_compliant(contact%laws)
     do p = 1, size(is_wanted)
       if (.not. is_wanted(p)) cycle
-      if (is_start) contact%mortar(p)%has_other_masters = n_slaves_at(contact%shared_slaves, contact%mortar(p)%nodes) > 1
+      if (is_start) contact%mortar(p)%has_other_masters = are_shared(contact%shared_slaves, contact%mortar(p)%nodes, &
+        allocated(contact%facets(p)%unseen))
       if (present(is_apart)) are_apart = rows_apart(p)
       call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, SEARCH_RADIUS_RATIO * &
         contact%edge(p), are_apart)
@@ -470,18 +472,24 @@ contains
   contains
 
     !> Which nodes of several pairs have a master in another one at the start of the increment. Without one a single pair acts on
-    !! them, and its rows are those of a single pair.
+    !! them, and its rows are those of a single pair. In self contact the masters change with the side that is slave: all may touch.
     subroutine find_other_masters()
       logical :: may_touch(size(slaves)), has_other(size(slaves))
       may_touch = .true.                           ! unknown at nodes
       do s = 1, size(slaves)
-        if (slaves(s)%row > 0) may_touch(s) = contact%mortar(slaves(s)%pair)%places(slaves(s)%row)%vertex > 0
+        if (is_single_sided(s)) may_touch(s) = contact%mortar(slaves(s)%pair)%places(slaves(s)%row)%vertex > 0
       end do
       has_other = have_others(contact%shared_slaves, may_touch)
       do s = 1, size(slaves)
-        if (slaves(s)%row > 0) contact%mortar(slaves(s)%pair)%has_other_masters(slaves(s)%row) = has_other(s)
+        if (is_single_sided(s)) contact%mortar(slaves(s)%pair)%has_other_masters(slaves(s)%row) = has_other(s)
       end do
     end subroutine find_other_masters
+
+    !> Whether a slave has a row in a pair of two surfaces.
+    pure logical function is_single_sided(s)
+      integer, intent(in) :: s                     !< slave
+      is_single_sided = slaves(s)%row > 0 .and. .not. allocated(contact%facets(slaves(s)%pair)%unseen)
+    end function is_single_sided
 
     !> The rows of a pair whose slaves stay open.
     pure function rows_apart(p) result(rows)

@@ -14,7 +14,7 @@ module amontons_shared_slave_nodes
   implicit none
   private
   public :: MIN_FREE_PART
-  public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, n_slaves_at, have_others, resize_shared_slaves, &
+  public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, are_shared, have_others, resize_shared_slaves, &
     order_slave_levels, free_projector, support_free_projector, global_axes, is_friction_in_other_pair, MIN_PARALLEL_COSINE
 
   real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this constrain the same direction [-]
@@ -65,12 +65,16 @@ contains
   end subroutine find_shared_slaves
 
 
-  !> The number of exact slaves at nodes.
-  elemental integer function n_slaves_at(shared, node) result(n)
+  !> Which slave nodes of a pair are slaves of other exact pairs, too; in self contact all of them if any is, because the side that
+  !! would take their functions may be the master.
+  pure function are_shared(shared, nodes, is_self) result(is_shared)
     type(shared_slaves_type), intent(in) :: shared
-    integer, intent(in) :: node
-    n = shared%first(node + 1) - shared%first(node)
-  end function n_slaves_at
+    integer, intent(in) :: nodes(:)
+    logical, intent(in) :: is_self                 !< of a pair with one surface
+    logical :: is_shared(size(nodes))
+    is_shared = shared%first(nodes + 1) - shared%first(nodes) > 1
+    if (is_self) is_shared = any(is_shared)
+  end function are_shared
 
 
   !> Whether other slaves of its node may touch, for each slave. Cost: linear.

@@ -6,7 +6,7 @@ program test_shared_slave_nodes
   use amontons_slave_node_overrides, only: gives_way, NODE_OVERRIDE_EXTENDED
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_STICK
   use amontons_shared_slave_nodes, only: shared_slaves_type, reachable_nodes_type, find_shared_slaves, resize_shared_slaves, &
-    n_slaves_at, have_others, &
+    are_shared, have_others, &
     order_slave_levels, free_projector, support_free_projector, global_axes, is_friction_in_other_pair
   use check, only: suite_type
   implicit none
@@ -45,7 +45,9 @@ contains
     type(shared_slaves_type) :: shared
     call make_pairs([1, 2, 1, 1], [3, 4, 5, 6], slaves, facets)
     call find_shared_slaves(6, slaves, facets, spread(.true., 1, 4), shared)
-    call suite%that('slaves at nodes', all(n_slaves_at(shared, [1, 2, 3]) == [3, 1, 0]))
+    call suite%that('slaves of others', all(are_shared(shared, [1, 2, 3], .false.) .eqv. [.true., .false., .false.]))
+    call suite%that('slaves of others in self contact', all(are_shared(shared, [2, 1], .true.)))
+    call suite%that('slaves of no others in self contact', .not. any(are_shared(shared, [2, 3], .true.)))
     call suite%that('none', .not. any(have_others(shared, [.false., .true., .false., .false.])))
     call suite%that('one', all(have_others(shared, [.true., .true., .false., .false.]) .eqv. [.false., .false., .true., .true.]))
     call suite%that('two', all(have_others(shared, [.true., .true., .false., .true.]) .eqv. [.true., .false., .true., .true.]))
