@@ -77,6 +77,7 @@ uses_solid_shell = kinds tensor element_kinds materials logarithmic_strain elast
 uses_solid_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition beam_rules shape_functions hourglass incompatible_modes solid_shell
 uses_element = kinds tensor element_kinds materials element_integration_points shape_functions truss_spring_mass membrane_elements plane_elements solid_elements
 uses_hex8_simd = kinds element_kinds materials elasticity shape_functions
+uses_section_beams = kinds tensor user_elements
 
 # expansion
 uses_directors = kinds tensor element_kinds mesh structural_data shape_functions
@@ -97,7 +98,8 @@ uses_deck_mesh = kinds text containers element_kinds materials mesh user_element
 uses_deck_property_tables = kinds text materials model cards card_schema deck_reader
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables
 uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
-uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams
+uses_deck_section_beams = kinds text element_kinds materials user_elements model section_beams cards card_schema element_drafts deck_reader deck_user_elements
+uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams deck_section_beams
 uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers element_kinds mesh deck_reader
@@ -162,7 +164,7 @@ uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model truss_
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly_plan assembly
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads
 uses_stabilization = kinds sparse mesh steps model elasticity state
-uses_user_element_forces = kinds user_routines steps user_elements model state assembly_plan
+uses_user_element_forces = kinds user_routines steps user_elements model section_beams state assembly_plan
 
 # constraints
 uses_constraints = kinds errors sparse
@@ -245,7 +247,7 @@ uses_results = kinds errors iteration_records tensor materials mesh steps model 
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver
-uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces model user_material state user_state
+uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
 uses_model_setup = kinds text errors logger loads model deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads

@@ -8,6 +8,7 @@ module amontons_user_element_forces
   use amontons_kinds, only: DP
   use amontons_assembly_plan, only: assembly_type, add_node_block, add_skew_block
   use amontons_model, only: model_type, is_out
+  use amontons_section_beams, only: evaluate_section_beam
   use amontons_state, only: state_type, fields_type
   use amontons_steps, only: step_type
   use amontons_user_elements, only: user_element_type, user_kind_type, user_unknowns, N_UEL_ENERGIES, ENERGY_ELASTIC, &
@@ -117,11 +118,39 @@ contains
     integer, intent(inout) :: failed               !< unchanged, or the element
     integer, parameter :: NORMAL_INCREMENT = 1     ! LFLAGS(3): force and stiffness, which every UEL gives
     type(uel_type) :: values
+    if (model%user_elements%kinds(element%kind)%is_beam) then
+      call evaluate_beam(model, state, element, force, stiffness, memory)
+      return
+    end if
     call call_element(model, step, state, element, NORMAL_INCREMENT, force, stiffness, memory, values)
     force = -force
     if (values%is_accepted == 1 .and. all(abs(force) <= huge(1.0_DP)) .and. all(abs(stiffness) <= huge(1.0_DP))) return
     failed = element%element
   end subroutine evaluate_user_element
+
+
+  !> A beam by its section: force, stiffness and elastic energy of its displacements and small rotations.
+  subroutine evaluate_beam(model, state, element, force, stiffness, memory)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    type(user_element_type), intent(in) :: element
+    real(DP), allocatable, intent(out) :: force(:) !< (12) [force]
+    real(DP), allocatable, intent(out) :: stiffness(:, :)   !< (12, 12) [force/length]
+    real(DP), allocatable, intent(out) :: memory(:)   !< without SVARS: the energies [energy]
+    real(DP) :: u(12)
+    integer :: unknowns(12), k
+    logical :: is_ok                               ! checked by the reader
+    allocate (force(12), stiffness(12, 12), memory(N_UEL_ENERGIES))
+    unknowns = user_unknowns(element)
+    u = [(state%new%u(mod(unknowns(k) - 1, 3) + 1, (unknowns(k) + 2) / 3), k=1, 12)]
+    associate (nodes => model%mesh%nodes(model%mesh%first(element%element):model%mesh%first(element%element) + 1))
+      call evaluate_section_beam(model%user_elements%properties(element%properties)%section, model%mesh%coordinates(:, nodes), &
+        stiffness, is_ok)
+    end associate
+    force = matmul(stiffness, u)
+    memory = 0
+    memory(ENERGY_ELASTIC) = 0.5_DP * dot_product(force, u)
+  end subroutine evaluate_beam
 
 
   !> The first call for each element, with DTIME = 0: Abaqus requests a mass matrix at the start of every analysis, and routines
@@ -134,6 +163,7 @@ contains
     type(uel_type) :: values
     integer :: i
     do i = 1, size(model%user_elements%elements)
+      if (model%user_elements%kinds(model%user_elements%elements(i)%kind)%is_beam) cycle
       call call_element(model, model%steps(1), state, model%user_elements%elements(i), MASS_MATRIX, force, stiffness, memory, &
         values)
       if (values%is_accepted == 0) return

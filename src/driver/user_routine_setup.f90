@@ -5,6 +5,7 @@ module amontons_user_routine_setup
   use amontons_errors, only: error_type, set_error, EXIT_SETUP, EXIT_USAGE, EXIT_NOT_CONVERGED
   use amontons_logger, only: logger_type
   use amontons_model, only: model_type, job_options_type
+  use amontons_user_elements, only: has_uel
   use amontons_user_routines, only: user_library_type, umat_type, open_routines, close_routines, has_routine, &
     collect_user_messages, pass_job_name, uamp_type, call_uamp, call_uexternaldb, LOP_JOB_START, LOP_INCREMENT_START, &
     LOP_STEP_START, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
@@ -198,7 +199,7 @@ contains
     if (any(model%materials%is_user_field) .and. model%has_sdvini) call check_routine(model%routines, path, ROUTINE_SDVINI, &
       '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
     if (allocated(error)) return
-    if (allocated(model%user_elements)) call check_routine(model%routines, path, ROUTINE_UEL, '*USER ELEMENT', error)
+    if (has_uel(model%user_elements)) call check_routine(model%routines, path, ROUTINE_UEL, '*USER ELEMENT', error)
     if (allocated(error)) return
     if (any(model%materials%is_user_field)) call check_routine(model%routines, path, ROUTINE_USDFLD, '*USER DEFINED FIELD', error)
     if (allocated(error)) return

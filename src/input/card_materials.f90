@@ -254,12 +254,14 @@ contains
     call table%card('BEAM SECTION', SCOPE_MODEL, 'Gives beams their material and cross-section; they are expanded into solids.', &
       data='RECT: dimensions along direction 1 and 2; CIRC: radius (calculix dialect: diameters along direction 1 and 2); ' // &
       'PIPE: outer radius, thickness; BOX: dimensions along direction 1 and 2, thickness of the walls at +1, +2, -1, -2; ' // &
+      'I: height of the node over the bottom, height, widths of both flanges, their thicknesses, that of the web; GENERAL ' // &
+      '(calculix dialect, U1): area, I11, I12, I22, shear factor; ' // &
       'second line: direction 1, default 0, 0, -1')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
-    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX', default='required')
-    call table%reject_words('ARBITRARY|CHANNEL|ELBOW|HEX|I|L|T|TRAPEZOID|THICK PIPE|GENERAL|MESHED|NONLINEAR GENERAL', &
-      'The sections are RECT, CIRC, PIPE and BOX; build open sections of shells.')
+    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX|I|GENERAL', default='required')
+    call table%reject_words('ARBITRARY|CHANNEL|ELBOW|HEX|L|T|TRAPEZOID|THICK PIPE|MESHED|NONLINEAR GENERAL', &
+      'The sections are RECT, CIRC, PIPE, BOX and I; or *BEAM GENERAL SECTION, SECTION=GENERAL with area and moments of inertia.')
     call table%option('OFFSET1|OFFSET2', VALUE_REAL, 'Place of the nodes over the dimension from the middle, along ' // &
       'direction 1 and 2.', default='0')
     call table%option('TEMPERATURE', VALUE_WORD, 'A node has one temperature, for all of its cross-section.', &
@@ -268,11 +270,12 @@ contains
     call table%option('LUMPED|ROTARY INERTIA', VALUE_TEXT, 'Statics has no inertia.', status=ENTRY_IGNORED)
     call table%option('NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', status=ENTRY_REJECTED)
   call table%card('BEAM GENERAL SECTION', SCOPE_MODEL, 'Gives beams their cross-section and its elasticity, without a *MATERIAL.', &
-     data='dimensions as in BEAM SECTION; second line: direction 1; third line: Young''s modulus, shear modulus, thermal expansion')
+       data='dimensions as in BEAM SECTION; GENERAL: area, I11, I12, I22, J; second line: direction 1; ' // &
+         'third line: Young''s modulus, shear modulus, thermal expansion')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
-    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX', default='required')
-    call table%reject_words('GENERAL|ARBITRARY|CHANNEL|HEX|I|L|T|TRAPEZOID|MESHED|NONLINEAR GENERAL', &
-      'The sections are RECT, CIRC, PIPE and BOX, whose beams become solids; build others of shells.')
+    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX|I|GENERAL', default='required')
+    call table%reject_words('ARBITRARY|CHANNEL|HEX|L|T|TRAPEZOID|MESHED|NONLINEAR GENERAL', &
+      'The sections are RECT, CIRC, PIPE, BOX, I, and GENERAL with area and moments of inertia.')
     call table%option('MATERIAL', VALUE_NAME, 'A material in place of the third line, as in CalculiX.', default='none')
     call table%option('DENSITY', VALUE_REAL, 'Mass density, needed by gravity.', default='none')
     call table%option('ZERO', VALUE_REAL, 'Temperature from which the thermal expansion counts.', default='0')
@@ -370,8 +373,7 @@ contains
     call table%option('UNSYMM', VALUE_NONE, 'AMATRX is not symmetric; without it its symmetric part counts.')
     call table%option('LINEAR|FILE|OLD ELEMENT|STEP|INCREMENT', VALUE_OPTIONAL_WORD, NO_MATRIX, status=ENTRY_REJECTED)
     call table%option('INTEGRATION|TENSOR', VALUE_TEXT, 'There is no UELMAT. ' // NO_MATRIX, status=ENTRY_REJECTED)
-    call table%option('INTEGRATION POINTS|MAXDOF', VALUE_TEXT, 'Elements of CalculiX are compiled into it. ' // NO_MATRIX, &
-      status=ENTRY_REJECTED)
+    call table%option('INTEGRATION POINTS|MAXDOF', VALUE_INTEGER, 'Of the beam U1 of CalculiX, in its dialect.', default='none')
     call table%card('UEL PROPERTY', SCOPE_MODEL, 'Gives user elements their properties.', data='reals, then integers, in any ' // &
       'number of lines')
     call table%option('ELSET', VALUE_NAME, 'Element set of user elements of one type.', default='required')

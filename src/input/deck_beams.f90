@@ -95,7 +95,7 @@ contains
   subroutine read_dimensions(reader, row, word, section)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
-    character(*), intent(in) :: word             !< RECT, CIRC, PIPE or BOX
+    character(*), intent(in) :: word             !< RECT, CIRC, PIPE, or BOX of the calculix dialect
     type(structural_section_type), intent(inout) :: section
     real(DP) :: value(6)
     integer :: i, n
@@ -107,8 +107,6 @@ contains
     if (word == 'PIPE') section%shape = SECTION_PIPE
     if (word == 'BOX') section%shape = SECTION_BOX
     if (word == 'BOX') n = 6
-    if (word == 'BOX' .and. reader%dialect /= DIALECT_CALCULIX) call report_error(reader, row%line, 'SECTION=BOX is for the ' // &
-      'calculix dialect, which is up to 4/3 too stiff in torsion, as CalculiX is. Build the box of shells.')
     if (word == 'CIRC' .and. reader%dialect /= DIALECT_CALCULIX) n = 1
     call check_n_fields(reader, row, n)
     do i = 1, n

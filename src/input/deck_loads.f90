@@ -634,9 +634,33 @@ contains
       return
     end if
     place%region = name_key(field_text(reader%cards, row, 1))
+    call check_section_beams(reader, model, row, place%elements)
     if (place%kind /= DISTRIBUTED_BODY_FORCE) call check_density(reader, model, row, place, value)
     call add_region_load(place, value, amplitude, active_loads)
   end subroutine read_volume_load
+
+
+  !> Reports beams by their section, which have no volume.
+  subroutine check_section_beams(reader, model, row, elements)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: elements(:)
+    logical :: is_loaded(model%mesh%n_elements)
+    integer :: i
+    if (.not. allocated(model%user_elements)) return
+    is_loaded = .false.
+    is_loaded(elements) = .true.
+    do i = 1, size(model%user_elements%elements)
+      associate (beam => model%user_elements%elements(i))
+        if (.not. (model%user_elements%kinds(beam%kind)%is_beam .and. is_loaded(beam%element))) cycle
+        call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(beam%element)) // ' is a beam ' // &
+          'by its section (SECTION=GENERAL, I, BOX), on which gravity, rotation and forces per volume do not act: put its ' // &
+          'weight on its nodes by *CLOAD, and name the other elements here.')
+        return
+      end associate
+    end do
+  end subroutine check_section_beams
 
 
   !> Adds a load to those at the same place.

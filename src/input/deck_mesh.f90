@@ -675,8 +675,10 @@ contains
         if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
         if (is_in_family(draft%kind(e), FAMILY_MASS)) card = 'MASS'
         if (is_in_family(draft%kind(e), FAMILY_RIGID)) card = 'RIGID BODY'
-        if (draft%kind(e) == KIND_USER) card = 'UEL PROPERTY'
-        if (merge(draft%material(e) /= 0, draft%section_value(e) > NOT_GIVEN, index(card, 'SECTION') > 0)) cycle
+        if (draft%kind(e) == KIND_USER) card = trim(merge('BEAM SECTION, SECTION=GENERAL', 'UEL PROPERTY                 ', &
+          reader%dialect == DIALECT_CALCULIX))
+        if (merge(draft%material(e) /= 0, draft%section_value(e) > NOT_GIVEN, index(card, 'SECTION') > 0 .and. &
+          draft%kind(e) /= KIND_USER)) cycle
         n = n + 1
         if (first == 0) first = draft%label(e)
       end do

@@ -239,7 +239,8 @@ contains
     is_after_path = progress%n > 1
     if (is_after_path) is_after_path = model%steps(progress%n - 1)%is_riks
     call check_path_step(reader, reader%cards%cards(k)%line, progress%active_loads%is_step, is_after_path, progress%step)
-    if (allocated(model%user_elements)) call check_user_element_step(reader, reader%cards%cards(k)%line, progress%step)
+    if (allocated(model%user_elements)) call check_user_element_step(reader, &
+      reader%cards%cards(k)%line, model%user_elements, progress%step)
     progress%step%number = progress%n
     model%steps(progress%n) = progress%step
     progress%total_time = progress%total_time + progress%step%period

@@ -7,6 +7,7 @@ module amontons_deck_structure
   use amontons_controls, only: controls_type
   use amontons_deck_beams, only: read_beam_section, read_general_material, section_offset, add_middle_nodes, mark_plane_beams, &
     hold_plane_beams
+  use amontons_deck_section_beams, only: is_section_beam, read_section_beam
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
@@ -47,6 +48,10 @@ contains
           'There is no material ''' // parameter_text(parameters, 'MATERIAL') // '''' // &
           reader%materials%suggest(parameter_text(parameters, 'MATERIAL')))
       end associate
+      if (is_section_beam(reader, c, parameters)) then
+        call read_section_beam(reader, c, parameters, row, set, material, model, draft)
+        cycle
+      end if
       section = structural_section_type()
       section%line = reader%cards%line_number(reader%cards%cards(c)%line)
       section%deck_line = reader%cards%cards(c)%line

@@ -16,7 +16,7 @@ module amontons_deck_user_elements
     N_UEL_ENERGIES
   implicit none
   private
-  public :: read_user_kinds, read_user_properties, mark_user_directions, connect_user_elements, check_user_element_step
+  public :: read_user_kinds, read_user_properties, beam_kind, mark_user_directions, connect_user_elements, check_user_element_step
 
 contains
 
@@ -86,9 +86,11 @@ contains
     call open_card(reader, c, parameters, row)
     kind%line = reader%cards%cards(c)%line
     associate (line => kind%line)
-      if (model%dialect == DIALECT_CALCULIX) call refuse('The user elements of CalculiX are compiled into it. Under the ' // &
-        'abaqus dialect *USER ELEMENT takes the routine UEL.')
       kind%number = user_kind_number(parameter_word(parameters, 'TYPE', ''))
+      if (model%dialect == DIALECT_CALCULIX) then
+        call read_calculix_kind()
+        return
+      end if
       if (kind%number == 0 .and. has_parameter(parameters, 'TYPE')) call refuse('TYPE must be U1 to U9999; it is ' // &
         parameter_word(parameters, 'TYPE', '') // '.')
       call read_count(reader, parameters, line, 'NODES', 1, kind%n_nodes, is_ok)
@@ -107,6 +109,17 @@ contains
 
   contains
 
+    !> The beam U1 of CalculiX.
+    subroutine read_calculix_kind()
+      if (kind%number /= 1 .or. .not. has_parameter(parameters, 'MAXDOF')) then
+        call refuse('Of the user elements of CalculiX, which are compiled into it, only the beam TYPE=U1, NODES=2, ' // &
+          'INTEGRATION POINTS=2, MAXDOF=6 is supported. Under the abaqus dialect *USER ELEMENT takes the routine UEL.')
+      else
+        kind = beam_kind(1)
+        kind%line = reader%cards%cards(c)%line
+      end if
+    end subroutine read_calculix_kind
+
     !> Reports an error of the card.
     subroutine refuse(text)
       character(*), intent(in) :: text
@@ -115,6 +128,20 @@ contains
     end subroutine refuse
 
   end subroutine read_user_kind
+
+
+  !> The kind of beams by their section: two nodes with displacements and rotations.
+  pure function beam_kind(number) result(kind)
+    integer, intent(in) :: number                !< JTYPE
+    type(user_kind_type) :: kind
+    integer :: k
+    kind%number = number
+    kind%n_nodes = 2
+    kind%n_svars = 0
+    kind%is_beam = .true.
+    kind%node = [(1, k=1, 6), (2, k=1, 6)]
+    kind%dof = [1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5, 6]
+  end function beam_kind
 
 
   !> A parameter that is a count.
@@ -235,7 +262,8 @@ contains
       do e = 1, draft%n
         if (draft%user_kind(e) == 0) cycle
         associate (kind => model%user_elements%kinds(draft%user_kind(e)))
-          if (kind%n_reals + kind%n_integers > 0) draft%section_value(e) = NOT_GIVEN
+          if (kind%n_reals + kind%n_integers > 0 .or. (kind%is_beam .and. draft%user_properties(e) == 0)) &
+            draft%section_value(e) = NOT_GIVEN
         end associate
       end do
     end if
@@ -353,10 +381,13 @@ contains
 
 
   !> Reports what a step with user elements cannot be.
-  subroutine check_user_element_step(reader, line, step)
+  subroutine check_user_element_step(reader, line, user_elements, step)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< of its STEP card
+    type(user_elements_type), intent(in) :: user_elements
     type(step_type), intent(in) :: step
+    if (step%is_nlgeom .and. any(user_elements%kinds%is_beam)) call report_error(reader, line, 'Beams by their section ' // &
+      '(SECTION=GENERAL, I, BOX) have small rotations: leave out NLGEOM, or take RECT, CIRC or PIPE.')
     if (step%is_riks) call report_error(reader, line, 'A RIKS step cannot have user elements: UEL would give loads too. Use ' // &
       '*STATIC with prescribed displacements.')
     if (step%is_dynamic) call report_error(reader, line, 'A *DYNAMIC step cannot have user elements: UEL does not give their ' // &

@@ -175,6 +175,12 @@ contains
         was_held(pack(nodes, nodes > 0)) = .true.    ! their displacement is a pressure
       end associate
     end do
+    if (allocated(model%user_elements)) then
+      do i = 1, size(model%user_elements%elements)   ! their rotation nodes
+        was_loaded(model%user_elements%elements(i)%nodes) = .true.
+        was_held(model%user_elements%elements(i)%nodes) = .true.
+      end do
+    end if
     do i = 1, size(model%steps)
       do k = 1, size(model%steps(i)%concentrated)
         call add_node_once(model%steps(i)%concentrated(k)%node, was_loaded, loaded)
