@@ -7,14 +7,15 @@ module amontons_body_motion
   use amontons_model, only: model_type
   implicit none
   private
-  public :: estimate_motion, displacement_span
+  public :: estimate_motion, are_rotations_prescribed, displacement_span
 
   real(DP), parameter :: LOAD_MOTION_SHARE = 0.05_DP       !< way of bodies under forces, over the extent of the mesh [-]
 
 contains
 
   !> How far bodies can move in the steps: zero without NLGEOM, where contact follows the positions at the start; else the sum of
-  !! the largest prescribed displacements, rotations by half the extent of the mesh, and a share of the extent where forces act.
+  !! the largest prescribed displacements (of the three axes together), rotations by half the extent of the mesh, and
+  !! a share of the extent where forces act.
   pure real(DP) function estimate_motion(model) result(motion)
     type(model_type), intent(in) :: model
     integer :: i
@@ -30,6 +31,20 @@ contains
   end function estimate_motion
 
 
+  !> Whether a step with NLGEOM prescribes rotations, so that faces turn.
+  pure logical function are_rotations_prescribed(model)
+    type(model_type), intent(in) :: model
+    integer :: i
+    are_rotations_prescribed = .false.
+    do i = 1, size(model%steps)
+      associate (step => model%steps(i))
+        if (step%is_nlgeom) are_rotations_prescribed = are_rotations_prescribed .or. any(model%mesh%is_auxiliary( &
+          step%prescribed%node) .and. .not. step%prescribed%is_held .and. abs(step%prescribed%end) > 0.0_DP)
+      end associate
+    end do
+  end function are_rotations_prescribed
+
+
   !> A bound of the displacement of nodes relative to each other [length].
   pure real(DP) function displacement_span(model, u) result(span)
     type(model_type), intent(in) :: model
@@ -39,24 +54,30 @@ contains
   end function displacement_span
 
 
-  !> The largest prescribed displacement of a step; a velocity counts as the extent of the mesh [length].
+  !> The largest prescribed displacement of a step, of the axes together, and rotation; a velocity counts as the extent of the mesh
+  !! [length].
   pure real(DP) function largest_motion(model, prescribed) result(largest)
     type(model_type), intent(in) :: model
     type(prescribed_type), intent(in) :: prescribed(:)
-    real(DP) :: motion, extent
+    real(DP) :: motion, extent, along(3), rotation
     integer :: i
     extent = mesh_extent(model%mesh)
-    largest = 0.0_DP
+    along = 0.0_DP
+    rotation = 0.0_DP
     do i = 1, size(prescribed)
       associate (load => prescribed(i))
         if (load%is_held) cycle
         motion = max(abs(load%end), abs(load%start))
         if (load%amplitude > 0) motion = largest_factor(model%amplitudes(load%amplitude)) * abs(load%end)
         if (load%is_velocity .or. load%is_user) motion = extent
-        if (model%mesh%is_auxiliary(load%node)) motion = 0.5_DP * motion * extent
-        largest = max(largest, motion)
+        if (model%mesh%is_auxiliary(load%node)) then
+          rotation = max(rotation, 0.5_DP * motion * extent)
+        else
+          along(load%dof) = max(along(load%dof), motion)
+        end if
       end associate
     end do
+    largest = norm2(along) + rotation
   end function largest_motion
 
 

@@ -16,7 +16,7 @@ module amontons_general_contact
   use amontons_elasticity, only: small_strain_modulus
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
-  use amontons_body_motion, only: estimate_motion
+  use amontons_body_motion, only: estimate_motion, are_rotations_prescribed
   use amontons_contact_heights, only: assign_heights
   use amontons_exterior_surface, only: exterior_type, build_exterior, is_thin, has_area
   use amontons_body_thickness, only: measure_body_thickness
@@ -69,6 +69,7 @@ module amontons_general_contact
     integer, allocatable :: excluded(:, :)         !< (2, :) surfaces that do not touch: exclusions, ties, given pairs
     integer, allocatable :: group(:)               !< (n) number of patch and surfaces: faces of a group follow the same rules
     integer :: n_groups = 0
+    logical :: can_turn = .false.                  !< steps prescribe rotations
     integer, allocatable :: height_class(:)        !< (n) number of the height
     integer :: n_heights = 0                       !< different ones
     integer, allocatable :: member(:)              !< (n_groups) a face of the group
@@ -86,6 +87,8 @@ module amontons_general_contact
   type :: near_faces_type
     type(integer_list_type) :: face                !< faces
     type(integer_list_type) :: partner             !< groups; beyond n_groups: analytic surfaces, n_groups + their index
+    logical :: has_all_couples = .false.           !< in: of each face every face that it is near, not one of each group
+    type(integer_list_type) :: other               !< the near face of the partner group
     type(integer_list_type) :: driven              !< bodies near each other that supports drive, in twos; beyond n_bodies: surfaces
     type(integer_list_type) :: undecided           !< faces of rigid elements near each other, in twos: which sides meet is unknown
   end type near_faces_type
@@ -147,6 +150,7 @@ contains
     call collect_stiffness(model, exterior, data)
     call collect_memberships(model, exterior, data)
     call number_groups(exterior, data)
+    data%can_turn = are_rotations_prescribed(model)
   end subroutine collect_face_data
 
 
@@ -375,7 +379,7 @@ contains
         j = active(list(k))
         g = data%group(j)
         if (exterior%body(j) == exterior%body(f)) cycle
-        if (seen(g) == f .and. .not. is_thin(exterior%depth(f), exterior%edge_length(f))) cycle
+        if (seen(g) == f .and. .not. (is_thin(exterior%depth(f), exterior%edge_length(f)) .or. near%has_all_couples)) cycle
         if (.not. are_near(exterior, f, j, radius, near_motion)) cycle
         if (find_interaction(rules, data, data%group(f), g, 0) == 0) cycle
         call judge_motion(exterior, data, f, j, near, can_move)
@@ -384,25 +388,26 @@ contains
           call near%undecided%add(j)
           cycle
         end if
-        if (seen(g) == f) cycle
+        if (seen(g) == f .and. .not. near%has_all_couples) cycle
         seen(g) = f
         if (.not. can_move) cycle
         call near%face%add(f)
         call near%partner%add(g)
+        call near%other%add(j)
       end do
     end do
-    if (motion > near_motion) call add_reachable_faces(rules, exterior, data, active, motion, near)
+    if (motion > near_motion) call add_reachable_faces(rules, exterior, data, active, motion + radius * largest_edge + height, near)
   end subroutine find_near_faces
 
 
-  !> The faces of groups that can meet somewhere on a long way: groups of different bodies with opposing normals, and of them the
-  !! faces within the way of the other group's box.
-  subroutine add_reachable_faces(rules, exterior, data, active, motion, near)
+  !> The faces of groups that can meet somewhere on a long way: groups of different bodies with opposing normals, or any where steps
+  !! prescribe rotations, and of them the faces within the reach of the other group's box.
+  subroutine add_reachable_faces(rules, exterior, data, active, reach, near)
     type(general_contact_type), intent(in) :: rules
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
     integer, intent(in) :: active(:)               !< faces
-    real(DP), intent(in) :: motion                 !< [length]
+    real(DP), intent(in) :: reach                  !< the way and the radius of the search [length]
     type(near_faces_type), intent(inout) :: near
     real(DP) :: box(3, 2, data%n_groups)
     integer, allocatable :: first(:), members(:)
@@ -420,35 +425,47 @@ contains
       do h = 1, data%n_groups
         if (first(g) == first(g + 1) .or. first(h) == first(h + 1)) cycle
         if (exterior%body(data%member(g)) == exterior%body(data%member(h))) cycle
-        if (box_distance(box(:, :, g), box(:, :, h)) > motion) cycle
+        if (box_distance(box(:, :, g), box(:, :, h)) > reach) cycle
         if (find_interaction(rules, data, g, h, 0) == 0) cycle
         call judge_motion(exterior, data, data%member(g), data%member(h), near, can_move)
         if (.not. can_move) cycle
         call add_opposing_faces(exterior, active(members(first(g):first(g + 1) - 1)), active(members(first(h):first(h + 1) - 1)), &
-          box(:, :, h), h, motion, near)
+          box(:, :, h), h, reach, data%can_turn, near)
       end do
     end do
   end subroutine add_reachable_faces
 
 
-  !> Adds the faces of a group within the way of another group's box that oppose one of its faces.
-  subroutine add_opposing_faces(exterior, own, other, box, h, motion, near)
+  !> Adds the faces of a group within the reach of another group's box that oppose one of its faces or can turn towards it; of two
+  !! sheets those that face each other.
+  subroutine add_opposing_faces(exterior, own, other, box, h, reach, can_turn, near)
     type(exterior_type), intent(in) :: exterior
     integer, intent(in) :: own(:), other(:)        !< faces of the group and of the other group
     real(DP), intent(in) :: box(3, 2)              !< of the other group [length]
     integer, intent(in) :: h                       !< the other group
-    real(DP), intent(in) :: motion                 !< [length]
+    real(DP), intent(in) :: reach                  !< [length]
+    logical, intent(in) :: can_turn                !< steps prescribe rotations
     type(near_faces_type), intent(inout) :: near
     integer, parameter :: MAX_SAMPLED_FACES = 200
     integer :: i, k, stride
     stride = 1 + size(other) / MAX_SAMPLED_FACES
     do i = 1, size(own)
-      if (box_distance(exterior%box(:, :, own(i)), box) > motion) cycle
-      if (.not. any([(dot_product(exterior%normal(:, own(i)), exterior%normal(:, other(k))) <= 0.0_DP .and. &
-        compare_faces(exterior, own(i), other(k)) == SHEETS_FACE, k=1, size(other), stride)])) cycle
+      if (box_distance(exterior%box(:, :, own(i)), box) > reach) cycle
+      if (.not. any([(may_oppose(own(i), other(k)), k=1, size(other), stride)])) cycle
       call near%face%add(own(i))
       call near%partner%add(h)
     end do
+
+  contains
+
+    !> Whether two faces may oppose each other.
+    pure logical function may_oppose(f, m)
+      integer, intent(in) :: f, m                  !< faces
+      may_oppose = can_turn .and. .not. all(is_thin(exterior%depth([f, m]), exterior%edge_length([f, m])))
+      if (.not. may_oppose) may_oppose = dot_product(exterior%normal(:, f), exterior%normal(:, m)) <= 0.0_DP .and. &
+        compare_faces(exterior, f, m) == SHEETS_FACE
+    end function may_oppose
+
   end subroutine add_opposing_faces
 
 

@@ -10,18 +10,19 @@ module amontons_unpaired_contact
   use amontons_model, only: model_type
   use amontons_facets, only: facets_type
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
-  use amontons_exterior_surface, only: exterior_type, measure_faces
+  use amontons_exterior_surface, only: exterior_type, measure_faces, reached_depth, is_thin
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
   use amontons_body_motion, only: estimate_motion, displacement_span
   use amontons_general_contact, only: face_data_type, near_faces_type, build_model_exterior, collect_face_data, &
     find_near_faces, find_interaction, body_name, TOUCHING_RADIUS, is_rigid_sheet
-  use amontons_face_proximity, only: list_facets, exterior_positions
+  use amontons_face_proximity, only: list_facets, exterior_positions, box_distance
   use amontons_self_contact_pairs, only: body_thickness, self_contact_obstacle, FOLD_RATIO
   implicit none
   private
   public :: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
 
+  real(DP), parameter :: TURNED_RATIO = 0.5_DP              !< motion that turns a face by less than 60 degrees, over its edge [-]
   real(DP), parameter :: NEIGHBOUR_RATIO = 1.5_DP           !< nearer faces, over their edge, are neighbours on the surface [-]
   integer, parameter :: MAX_FACES = 6                       !< of an element
 
@@ -40,7 +41,8 @@ module amontons_unpaired_contact
 contains
 
   !> Whether bodies that moved farther than the search looked touch each other without a pair, or may do so in an increment
-  !! like the last one: message says which faces. Displacements that differ by less than the motion cost nothing.
+  !! like the last one: message says which faces. Displacements that differ by less than the motion cost nothing; if it is long,
+  !! the faces of the pairs were chosen by their normals at the start, and only those by which no face can have turned far.
   subroutine find_unpaired_contact(model, faces, u, du, message)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
@@ -49,32 +51,39 @@ contains
     character(:), allocatable, intent(out) :: message   !< '': none
     type(exterior_type) :: now
     type(near_faces_type) :: near
-    logical, allocatable :: is_covered(:)
     real(DP) :: span, approach
-    integer :: i
+    integer :: i, n_met
     message = ''
     if (.not. allocated(model%general_contact)) return
     span = displacement_span(model, u)
     if (faces%motion < 0.0_DP) faces%motion = estimate_motion(model)
-    if (span <= faces%motion) return
+    if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
+    if (faces%motion <= SEARCH_RADIUS_RATIO * faces%least_width .and. span <= faces%motion) return
+    if (span <= min(faces%motion, TURNED_RATIO * faces%least_width)) return
     call prepare_faces(model, faces)
     now = faces%exterior
     call measure_faces(model%mesh, model%mesh%coordinates + u, now)
     approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(now%edge_length))
+    near%has_all_couples = .true.
     call find_near_faces(model%general_contact, now, faces%data, TOUCHING_RADIUS, approach, near)
+    n_met = near%face%n
     do i = 1, near%undecided%n, 2                  ! sheets that cross have met, too
       call near%face%add(near%undecided%items(i))
-      call near%partner%add(faces%data%group(near%undecided%items(i + 1)))
+      call near%other%add(near%undecided%items(i + 1))
     end do
-    if (near%face%n == 0) return
-    call find_covered_faces(faces, near, size(model%pairs), is_covered)
-    i = findloc(is_covered, .false., dim=1)
-    if (i == 0) return
-    associate (mesh => model%mesh, f => near%face%items(i), m => faces%data%member(near%partner%items(i)))
+    do i = 1, near%face%n
+      associate (f => near%face%items(i), m => near%other%items(i))
+        if (are_covered(faces, f, m)) cycle
+        if (i > n_met) exit
+        if (may_meet(now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) exit
+      end associate
+    end do
+    if (i > near%face%n) return
+    associate (mesh => model%mesh, f => near%face%items(i), m => near%other%items(i))
       message = 'General contact: element ' // to_text(mesh%element_label(now%element(f))) // ' of ' // &
         body_name(model, now, now%body(f)) // ' reached ' // body_name(model, now, now%body(m)) // &
-        ', from which it was too far away at the start, and there is no pair of them. Give *CONTACT a REACH of more than ' // &
-        to_text(span) // ', or name the pair with *CONTACT PAIR.'
+        ', from which it was too far or turned away at the start, and there is no pair of them. Give *CONTACT a REACH of more ' // &
+        'than ' // to_text(span) // ', or name the pair with *CONTACT PAIR.'
     end associate
   end subroutine find_unpaired_contact
 
@@ -250,43 +259,41 @@ contains
   end subroutine list_pairs_of_faces
 
 
-  !> Marks the near faces that some pair holds on one side, and on its other side a face of their partner group. Two rigid elements
-  !! without depth that touch by a penalty have passed each other by a little: then their other sides are in the pair.
-  subroutine find_covered_faces(faces, near, n_pairs, is_covered)
+  !> Whether some pair holds two faces, one on each side. Two rigid elements without depth that touch by a penalty have passed each
+  !! other by a little: then their other sides are in the pair.
+  pure logical function are_covered(faces, f, m)
     type(model_faces_type), intent(in) :: faces
-    type(near_faces_type), intent(in) :: near
-    integer, intent(in) :: n_pairs
-    logical, allocatable, intent(out) :: is_covered(:)   !< (near faces)
-    logical, allocatable :: is_slave(:, :), is_master(:, :)
-    integer :: f, i, both(2)
-    allocate (is_slave(n_pairs, faces%data%n_groups), is_master(n_pairs, faces%data%n_groups), source=.false.)
-    do f = 1, faces%exterior%n
-      associate (g => faces%data%group(f))
-        if (g == 0) cycle
-        is_slave(faces%slave_pair(faces%slave_first(f):faces%slave_first(f + 1) - 1), g) = .true.
-        is_master(faces%master_pair(faces%master_first(f):faces%master_first(f + 1) - 1), g) = .true.
-      end associate
-    end do
-    allocate (is_covered(near%face%n))
-    do i = 1, near%face%n
-      both = [near%face%items(i), faces%data%member(near%partner%items(i))]
-      is_covered(i) = is_held(both)
-      if (is_covered(i) .or. .not. all(is_rigid_sheet(faces%exterior, faces%data, both))) cycle
-      is_covered(i) = is_held([other_side(faces%exterior, both(1)), other_side(faces%exterior, both(2))])   ! before they touch
-    end do
+    integer, intent(in) :: f, m                    !< faces
+    integer :: g, h
+    are_covered = have_pair(faces, f, m) .or. have_pair(faces, m, f)
+    if (are_covered .or. .not. all(is_rigid_sheet(faces%exterior, faces%data, [f, m]))) return
+    g = other_side(faces%exterior, f)              ! before they touch
+    h = other_side(faces%exterior, m)
+    are_covered = have_pair(faces, g, h) .or. have_pair(faces, h, g)
+  end function are_covered
 
-  contains
 
-    !> Whether a pair has the first face on one side and the group of the second one on the other.
-    pure logical function is_held(both)
-      integer, intent(in) :: both(2)               !< faces
-      associate (f => both(1), g => faces%data%group(both(2)))
-        is_held = any(is_master(faces%slave_pair(faces%slave_first(f):faces%slave_first(f + 1) - 1), g)) .or. &
-          any(is_slave(faces%master_pair(faces%master_first(f):faces%master_first(f + 1) - 1), g))
-      end associate
-    end function is_held
-
-  end subroutine find_covered_faces
+  !> Whether two near faces of different bodies touch or would in an increment like the last one. Faces that passed each other in
+  !! the last increment count, those on far sides do not.
+  pure logical function may_meet(now, f, m, motion)
+    type(exterior_type), intent(in) :: now
+    integer, intent(in) :: f, m                    !< faces
+    real(DP), intent(in) :: motion(3)              !< of f towards m in the last increment [length]
+    real(DP) :: between(3), front, lateral, cosine, closing, depth, edge
+    cosine = dot_product(now%normal(:, f), now%normal(:, m))
+    edge = max(now%edge_length(f), now%edge_length(m))
+    may_meet = box_distance(now%box(:, :, f), now%box(:, :, m)) <= TOUCHING_RADIUS * edge + norm2(motion) + max(0.0_DP, &
+      now%height(f) + now%height(m))
+    if (.not. may_meet .or. any(is_thin(now%depth([f, m]), now%edge_length([f, m])))) return
+    between = now%centre(:, m) - now%centre(:, f)
+    front = min(dot_product(between, now%normal(:, f)), -dot_product(between, now%normal(:, m))) - now%height(f) - now%height(m)
+    lateral = norm2(between - dot_product(between, now%normal(:, f)) * now%normal(:, f))
+    closing = max(0.0_DP, dot_product(motion, now%normal(:, f)), -dot_product(motion, now%normal(:, m)))
+    depth = min(reached_depth(now%depth(f), now%thickness(f), now%edge_length(m)), reached_depth(now%depth(m), now%thickness(m), &
+      now%edge_length(f)))
+    may_meet = front <= TOUCHING_RADIUS * edge + closing .and. front + lateral * sqrt(max(0.0_DP, 1 - cosine**2)) >= &
+      -MAX_DEPTH_SHARE * depth - closing
+  end function may_meet
 
 
   !> The face on the other side of an element without depth.

@@ -95,6 +95,22 @@ def half_cylinder_on_block(n_block: int, slave: str, gap: float = 0.0) -> str:
     return bodies_deck([(block, "*ELASTIC\n1000., 0.3\n"), (cylinder, "*ELASTIC\n20000., 0.3\n")], "CPE4", contact + press + drag)
 
 
+def turned_ring(turn: float) -> str:
+    """A rigid ring of radius 1.5, pressed 0.1 into a block and turned on the spot without friction."""
+    radius = 1.5
+
+    def place(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        r = radius * (1 - 0.5 * t)
+        return 3 + r * np.cos(2 * np.pi * s), 2 + radius + r * np.sin(2 * np.pi * s)
+
+    block = grid("BLOCK", between(0, 6, 24), between(0, 2, 6))
+    ring = grid("RING", between(0, 1, 36), between(0, 1, 2), place=place, is_closed=True)
+    body = f"*NODE\n90000, 3., {2 + radius}\n*RIGID BODY, ELSET=RING, REF NODE=90000\n"
+    press = step(fix("BLOCK_T0, 1, 2", "90000, 1", "90000, 2, 2, -0.1", "90000, 6"), 4, is_nlgeom=True)
+    spin = step(fix(f"90000, 6, 6, {turn}"), 20, is_nlgeom=True)
+    return bodies_deck([(block, "*ELASTIC\n1000., 0.3\n"), (ring, "*ELASTIC\n20000., 0.3\n")], "CPE4", body + pair("BLOCK_T1", "RING_T0") + press + spin)
+
+
 DECKS = {
     "block-cpe4": lambda: block_on_block("CPE4"),
     "block-cpe8": lambda: block_on_block("CPE8"),

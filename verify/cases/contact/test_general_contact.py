@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.decks.general_contact import DECKS, INPUT_DECKS, SOFT, STIFF, block_on_block, half_cylinder_on_block, with_general_contact, with_pairs
+from verify.decks.general_contact import DECKS, INPUT_DECKS, SOFT, STIFF, block_on_block, half_cylinder_on_block, turned_ring, with_general_contact, with_pairs
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import between, fix, sheet, step
 
@@ -82,6 +82,24 @@ def test_long_way(run: Run, tmp_path: Path, form: str, n_block: int, slave: str,
     if form == "NODE":
         general = general.replace("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n")
     assert "General contact: " in compare(run, tmp_path, with_pairs(deck, form), general)
+
+
+@pytest.mark.parametrize("form", ["SURFACE", "NODE"])
+def test_turned_faces(run: Run, tmp_path: Path, form: str) -> None:
+    """A rigid ring on a block is turned by 150 degrees: the faces that come to the block were turned away from it at the start."""
+    deck = turned_ring(2.6)
+    general = with_general_contact(deck)
+    if form == "NODE":
+        general = general.replace("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n")
+    compare(run, tmp_path, with_pairs(deck, form), general)
+
+
+def test_turned_faces_beyond_the_reach(run: Run, tmp_path: Path) -> None:
+    """With a reach that is too short for them the job ends with a sentence, and not without contact."""
+    (tmp_path / "job.inp").write_text(with_general_contact(turned_ring(2.6)).replace("*CONTACT\n", "*CONTACT, REACH=0.\n"))
+    done = run(["--outdir", tmp_path, tmp_path / "job.inp"], tmp_path)
+    assert done.returncode == 5, done.stdout + done.stderr
+    assert re.search(r"General contact: element \d+ of (BLOCK reached RING|RING reached BLOCK)", done.stdout + done.stderr)
 
 
 def stretched(options: str = "") -> str:

@@ -5,7 +5,7 @@ program test_body_motion
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type
-  use amontons_body_motion, only: estimate_motion, displacement_span
+  use amontons_body_motion, only: estimate_motion, are_rotations_prescribed, displacement_span
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
@@ -20,6 +20,7 @@ program test_body_motion
   type(model_type) :: model
   call check_motion('without NLGEOM', '', '*BOUNDARY;1,1,1,5.;', 0.0_DP)
   call check_motion('a displacement', ', NLGEOM', '*BOUNDARY;1,1,1,-5.;2,1,1,3.;', 5.0_DP)
+  call check_motion('a displacement across the axes', ', NLGEOM', '*BOUNDARY;1,1,1,-3.;2,2,2,4.;', 5.0_DP)
   call check_motion('an amplitude', ', NLGEOM', '*BOUNDARY, AMPLITUDE=TWICE;1,1,1,5.;', 10.0_DP)
   call check_motion('a velocity', ', NLGEOM', '*BOUNDARY, TYPE=VELOCITY;1,1,1,5.;', EXTENT)
   call check_motion('a rotation', ', NLGEOM', '*BOUNDARY;90,4,4,0.5;', 0.25_DP * EXTENT)
@@ -40,6 +41,7 @@ contains
     if (name == 'a rotation') cards = GENERAL // RIGID
     call read_deck(cards, parameters, loads)
     call suite%near(name, estimate_motion(model), expected, TOL)
+    call suite%that(name // ' turns', are_rotations_prescribed(model) .eqv. name == 'a rotation')
   end subroutine check_motion
 
 
