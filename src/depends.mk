@@ -22,13 +22,14 @@ uses_column_singletons = kinds
 uses_sparse = kinds errors
 uses_factorization = kinds errors sparse
 uses_graph_partition = containers errors sparse
+uses_incomplete_cholesky = kinds containers sparse
 uses_krylov = kinds errors sparse
 uses_matrix_reduction = kinds containers errors sparse
 uses_midside_interpolation = kinds errors sparse
 uses_null_space = kinds dense
 uses_point_partition = kinds
 uses_sparse_null_space = kinds containers null_space
-uses_two_level_preconditioner = kinds containers errors dense sparse factorization midside_interpolation
+uses_two_level_preconditioner = kinds containers errors dense sparse factorization incomplete_cholesky midside_interpolation point_partition
 uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 
 # distributed

@@ -201,8 +201,8 @@ contains
     if (allocated(error)) return
     call renew_distributed_matrix(self, matrix)
     call factorise_first_level(self%levels, self%matrix, is_broken)
-    shift = -min_over_ranks(-self%levels%shift)
-    if (self%levels%shift < shift) call factorise_first_level(self%levels, self%matrix, is_broken, shift)
+    shift = -min_over_ranks(-self%levels%incomplete%shift)
+    if (self%levels%incomplete%shift < shift) call factorise_first_level(self%levels, self%matrix, is_broken, shift)
     is_broken = min_over_ranks(merge(0.0_DP, 1.0_DP, is_broken)) < 0.5_DP
   end subroutine update_distributed_two_level
 

@@ -8,16 +8,16 @@
 !! U is an incomplete Cholesky factor with the pattern of A: it reduces the oscillatory error. The columns of Z are the six rigid
 !! body motions of each of many small parts of the mesh: they reduce the smooth error across the whole body. Z'AZ is sparse and
 !! factorized by CHOLMOD. Both factors are in single precision. Both terms are symmetric and positive definite, so that conjugate
-!! gradients can use the sum. On several threads U has a domain for each, without entries between them.
+!! gradients can use the sum.
 !!
 !! Krylov methods on this very A apply one level after the other (`apply_deflated`): the second one acts on the residual that the
 !! first one leaves, which takes a little more than half of the iterations of the sum.
 !!
 !! Quadratic elements: the columns of Z are those of P, the shape functions of the linear elements on the corners, if the factor of
 !! P'AP is not larger than the share MAX_CORNER_ENTRIES of A. They reduce all but the error between neighbouring nodes.
-!! References: Meijerink and van der Vorst, Math. Comp. 31 (1977) 148; Manteuffel, Math. Comp. 34 (1980) 473 (the shift);
-!! Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9 (1993) 233 (motions of parts);
-!! Tang, Nabben, Vuik, Erlangga, J. Scientific Computing 39 (2009) 340 (levels one after the other: A-DEF2).
+!! References: those of `incomplete_cholesky`; Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355 and Mandel, Comm. Numer. Meth. Engng 9
+!! (1993) 233 (motions of parts); Tang, Nabben, Vuik, Erlangga, J. Scientific Computing 39 (2009) 340 (levels one after the other:
+!! A-DEF2).
 module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP, I64
   use amontons_containers, only: list_groups
@@ -26,6 +26,8 @@ module amontons_two_level_preconditioner
     multiply_symmetric
   use amontons_midside_interpolation, only: build_midside_interpolation, project_to_corners
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
+  use amontons_point_partition, only: partition_points
+  use amontons_incomplete_cholesky, only: incomplete_cholesky_type, factorise_incomplete, apply_incomplete, discard_incomplete
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, FACTOR_OK
 !$ use omp_lib, only: omp_get_max_threads
   implicit none
@@ -43,22 +45,16 @@ module amontons_two_level_preconditioner
                                                    !! reads as many bytes as one with U and its pattern [-] | 0012
   real(DP), parameter :: MAX_CORNER_SHARE = 0.5_DP !< unknowns of corners over all: more are not a coarse space [-]
   integer, parameter :: MIN_UNKNOWNS_PER_DOMAIN = 10000   !< smaller domains cost iterations and save no time | 0012
-  integer, parameter :: MAX_SHIFTS = 10             !< shifts of the diagonal
-  real(DP), parameter :: INITIAL_SHIFT = 4.0e-3_DP       !< of the diagonal, if the factorization breaks down [-]
-  real(DP), parameter :: MIN_PIVOT_RATIO = 1.0e-3_DP          !< smallest accepted pivot over its diagonal entry [-]
   real(DP), parameter :: TOL_DEPENDENT_MOTION = 1.0e-8_DP         !< a motion with a smaller independent component is dropped [-]
 
   !> The preconditioner of one matrix.
   type :: two_level_preconditioner_type
-    integer :: n = 0                                   !< unknowns
-    real(SP), allocatable :: value(:)                  !< U, in the pattern of A or `inner`; its diagonal as the reciprocal
-    real(DP) :: shift = 0                              !< of the diagonal, used by the factor [-]
-    integer :: n_domains = 1                           !< U has no entries between domains: a thread works on each
-    integer, allocatable :: domain_first(:)            !< (n_domains + 1) first row of each domain, if there are several
-    integer, allocatable :: domain_unknown(:)          !< (n) unknown of each row: domain after domain
-    type(sparse_type) :: inner                         !< pattern of U by rows, if there are several domains
+    type(incomplete_cholesky_type) :: incomplete       !< U
+    real(DP), allocatable :: place(:, :)               !< (3, n) of each unknown, if there are several threads [length]
+    integer, allocatable :: domain(:)                  !< (n) of each unknown; empty: one domain
     integer :: n_parts = 0
     integer, allocatable :: part(:)                    !< (n) of each unknown
+    integer, allocatable :: part_first(:), part_unknown(:)   !< unknowns of each part, if there are several domains
     real(SP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
     type(sparse_type) :: interpolation                 !< P, in place of the motions as Z; not allocated: the motions serve
     logical :: has_coarse_space = .false.              !< Z'AZ is positive definite
@@ -114,6 +110,8 @@ contains
     integer :: i, p
     self%n_parts = n_parts
     self%part = part
+    call discard_domains(self)
+!$  if (omp_get_max_threads() > 1) self%place = place
     centre = 0
     members = 0
     do i = 1, size(part)
@@ -156,6 +154,8 @@ contains
     integer :: i, n
     self%n_parts = whole%n_parts
     self%part = whole%part(members)
+    call discard_domains(self)
+    if (allocated(whole%place)) self%place = whole%place(:, members)
     self%motion = whole%motion(:, members)
     self%interpolation = sparse_type()
     if (.not. allocated(whole%interpolation%first)) return
@@ -233,168 +233,55 @@ contains
   end subroutine factorise_two_level
 
 
-  !> U with the least shift of the diagonal with which it exists.
+  !> U, the first level.
   subroutine factorise_first_level(self, matrix, is_broken, least_shift)
     type(two_level_preconditioner_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix            !< A
     logical, intent(out) :: is_broken                  !< .true.: A is far from positive definite
-    real(DP), intent(in), optional :: least_shift      !< to begin with in place of 0 [-]
-    integer :: attempt
-    is_broken = .false.
-    self%n = matrix%n_rows
-    self%shift = 0
-    if (present(least_shift)) self%shift = least_shift
-    call divide_into_domains(self, matrix)
-    do attempt = 1, MAX_SHIFTS
-      if (self%n_domains == 1) then
-        call factorise_incomplete(self, matrix, [1, self%n + 1], is_broken)
-      else
-        call factorise_incomplete(self, self%inner, self%domain_first, is_broken)
-      end if
-      if (.not. is_broken) exit
-      self%shift = max(INITIAL_SHIFT, 2.0_DP * self%shift)
-    end do
-    if (allocated(self%inner%value)) deallocate (self%inner%value)
+    real(DP), intent(in), optional :: least_shift      !< of the diagonal, to begin with in place of 0 [-]
+    if (.not. allocated(self%domain)) call choose_domains(self)
+    call factorise_incomplete(self%incomplete, matrix, self%domain, is_broken, least_shift)
   end subroutine factorise_first_level
 
 
-  !> Divides the unknowns into a domain of consecutive parts for each thread, and A into its blocks on the domains.
-  subroutine divide_into_domains(self, matrix)
+  !> Divides the unknowns by their places into halves, and these again, a domain for each thread.
+  subroutine choose_domains(self)
     type(two_level_preconditioner_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: matrix
-    integer :: domain(self%n), row_of(self%n), i, k, p, n_threads
-    n_threads = 1
-!$  n_threads = omp_get_max_threads()
-    self%n_domains = max(1, min(n_threads, self%n / MIN_UNKNOWNS_PER_DOMAIN, self%n_parts))
-    if (self%n_domains == 1) return
-    domain = 1 + int(real(self%n_domains, DP) * (real(self%part, DP) - 1.0_DP) / real(self%n_parts, DP))
-    call list_groups(domain, self%n_domains, self%domain_first, self%domain_unknown)
-    row_of(self%domain_unknown) = [(i, i=1, self%n)]
-    self%inner = sparse_type(self%n, self%n)
-    allocate (self%inner%first(self%n + 1), self%inner%column(size(matrix%column)), self%inner%value(size(matrix%column)))
-    k = 0
-    do i = 1, self%n
-      self%inner%first(i) = k + 1
-      associate (unknown => self%domain_unknown(i))
-        do p = matrix%first(unknown), matrix%first(unknown + 1) - 1
-          if (domain(matrix%column(p)) /= domain(unknown)) cycle
-          k = k + 1
-          self%inner%column(k) = row_of(matrix%column(p))
-          self%inner%value(k) = matrix%value(p)
-        end do
-      end associate
-    end do
-    self%inner%first(self%n + 1) = k + 1
-  end subroutine divide_into_domains
+    integer :: n, n_domains, n_made
+    allocate (self%domain(0))
+    if (.not. allocated(self%place)) return
+    n = size(self%place, 2)
+    n_domains = 1
+!$  n_domains = 2**exponent(real(min(omp_get_max_threads(), n / MIN_UNKNOWNS_PER_DOMAIN))) / 2
+    if (n_domains < 2) return
+    deallocate (self%domain)
+    allocate (self%domain(n))
+    call partition_points(self%place, (n + n_domains - 1) / n_domains, self%domain, n_made)
+    call list_groups(self%part, self%n_parts, self%part_first, self%part_unknown)
+  end subroutine choose_domains
 
 
   !> Frees the memory of the preconditioner.
   subroutine discard_preconditioner(self)
     type(two_level_preconditioner_type), intent(inout) :: self
-    self%n = 0
+    call discard_incomplete(self%incomplete)
     self%n_parts = 0
-    self%n_domains = 1
     self%has_coarse_space = .false.
     if (allocated(self%coarse_factor)) deallocate (self%coarse_factor)
     if (allocated(self%coarse_pattern%first)) deallocate (self%coarse_pattern%first, self%coarse_pattern%column)
-    if (allocated(self%value)) deallocate (self%value)
-    if (allocated(self%inner%first)) deallocate (self%inner%first, self%inner%column)
-    if (allocated(self%domain_first)) deallocate (self%domain_first, self%domain_unknown)
     if (allocated(self%part)) deallocate (self%part, self%motion)
+    call discard_domains(self)
     self%interpolation = sparse_type()
   end subroutine discard_preconditioner
 
 
-  !> U with the pattern of a matrix, so that U'U = A + shift diag(A) on it; domains do not depend on one another.
-  subroutine factorise_incomplete(self, matrix, domain_first, is_broken)
+  !> Frees the places and domains of the unknowns.
+  subroutine discard_domains(self)
     type(two_level_preconditioner_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: matrix            !< A, or its blocks on the domains
-    integer, intent(in) :: domain_first(:)             !< (n_domains + 1) first row of each domain
-    logical, intent(out) :: is_broken                  !< a pivot is not positive
-    logical :: is_domain_broken(self%n_domains)
-    integer :: d
-    if (allocated(self%value)) then
-      if (size(self%value) /= size(matrix%column)) deallocate (self%value)
-    end if
-    if (.not. allocated(self%value)) allocate (self%value(size(matrix%column)))
-    !$omp parallel do schedule(static, 1) num_threads(self%n_domains)
-    do d = 1, self%n_domains
-      call factorise_rows(matrix, domain_first(d), domain_first(d + 1) - 1, self%shift, self%value, is_domain_broken(d))
-    end do
-    !$omp end parallel do
-    is_broken = any(is_domain_broken)
-  end subroutine factorise_incomplete
-
-
-  !> Some rows of U, each from the rows before it that have an entry in its column. Sums are of double precision, U is not.
-  subroutine factorise_rows(matrix, low, high, shift, u, is_broken)
-    type(sparse_type), intent(in) :: matrix
-    integer, intent(in) :: low, high                   !< rows; their entries lie within them
-    real(DP), intent(in) :: shift                      !< of the diagonal [-]
-    real(SP), intent(inout) :: u(:)                    !< entries; those of the rows are set, the diagonal as the reciprocal
-    logical, intent(out) :: is_broken                  !< a pivot is not positive
-    integer :: place(low:high)                         ! position of a column in row k, from 1; 0: not in it
-    integer :: head(low:high), next(low:high)          ! rows whose next entry is in a column: the first one, the one after a row
-    integer :: entry(low:high)                         ! the next entry of a row
-    real(DP), allocatable :: row(:)                    ! row k
-    real(DP) :: pivot
-    integer :: i, k, p, first, last, after
-    allocate (row(maxval(matrix%first(low + 1:high + 1) - matrix%first(low:high))))
-    place = 0
-    head = 0
-    is_broken = .true.
-    do k = low, high
-      first = matrix%first(k)
-      last = matrix%first(k + 1) - 1
-      row(:last - first + 1) = matrix%value(first:last)
-      row(1) = (1.0_DP + shift) * row(1)
-      do p = first, last
-        place(matrix%column(p)) = p - first + 1
-      end do
-      i = head(k)
-      do while (i > 0)
-        after = next(i)
-        call subtract_row(matrix, entry(i), matrix%first(i + 1) - 1, u, low, place, row)
-        call await(i, entry(i) + 1)
-        i = after
-      end do
-      place(matrix%column(first:last)) = 0
-      if (.not. row(1) > MIN_PIVOT_RATIO * matrix%value(first)) return
-      pivot = 1.0_DP / sqrt(row(1))
-      u(first) = real(pivot, SP)
-      u(first + 1:last) = real(pivot * row(2:last - first + 1), SP)
-      call await(k, first + 1)
-    end do
-    is_broken = .false.
-
-  contains
-
-    !> Lists a row at the column of its next entry, if it has one.
-    subroutine await(i, p)
-      integer, intent(in) :: i, p
-      if (p >= matrix%first(i + 1)) return
-      entry(i) = p
-      next(i) = head(matrix%column(p))
-      head(matrix%column(p)) = i
-    end subroutine await
-
-  end subroutine factorise_rows
-
-
-  !> Subtracts from row k u_ik times the rest of row i, within the pattern of row k.
-  pure subroutine subtract_row(matrix, first, last, u, low, place, row)
-    type(sparse_type), intent(in) :: matrix
-    integer, intent(in) :: first, last                 !< entries of row i from u_ik to its end
-    real(SP), intent(in) :: u(:)
-    integer, intent(in) :: low                         !< least column
-    integer, intent(in) :: place(low:)                 !< of the columns in row k
-    real(DP), intent(inout) :: row(:)
-    integer :: p
-    do p = first, last
-      if (place(matrix%column(p)) > 0) row(place(matrix%column(p))) = row(place(matrix%column(p))) - real(u(first), DP) * &
-        real(u(p), DP)
-    end do
-  end subroutine subtract_row
+    if (allocated(self%place)) deallocate (self%place)
+    if (allocated(self%domain)) deallocate (self%domain)
+    if (allocated(self%part_first)) deallocate (self%part_first, self%part_unknown)
+  end subroutine discard_domains
 
 
   !> The factor of Z'AZ: of the corners of quadratic elements if it is small enough, else of the motions of the parts. Missing
@@ -608,23 +495,23 @@ contains
     type(two_level_preconditioner_type), intent(in) :: self
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), allocatable, intent(out) :: c(:)         !< a number for each column of Z
-    integer :: i, d
+    integer :: i, p
     if (allocated(self%interpolation%first)) then
       allocate (c(self%interpolation%n_columns))
       call multiply_transpose(self%interpolation, r, c)
       return
     end if
     allocate (c(6 * self%n_parts), source=0.0_DP)
-    if (self%n_domains == 1) then
+    if (.not. allocated(self%part_first)) then
       do i = 1, size(self%part)
         call add_motion(i)
       end do
       return
     end if
-    !$omp parallel do schedule(static, 1) private(i) num_threads(self%n_domains)
-    do d = 1, self%n_domains                             ! no part is in two of them
-      do i = self%domain_first(d), self%domain_first(d + 1) - 1
-        call add_motion(self%domain_unknown(i))
+    !$omp parallel do schedule(static) private(i) num_threads(self%incomplete%n_domains)
+    do p = 1, self%n_parts
+      do i = self%part_first(p), self%part_first(p + 1) - 1
+        call add_motion(self%part_unknown(i))
       end do
     end do
     !$omp end parallel do
@@ -666,7 +553,7 @@ contains
       z = z + correction
       return
     end if
-    !$omp parallel do schedule(static) num_threads(self%n_domains)
+    !$omp parallel do schedule(static) num_threads(self%incomplete%n_domains)
     do i = 1, size(self%part)
       associate (a => 6 * (self%part(i) - 1))
         z(i) = z(i) + dot_product(real(self%motion(:, i), DP), c(a + 1:a + 6))
@@ -682,47 +569,7 @@ contains
     type(sparse_type), intent(in) :: matrix            !< A: its pattern is that of U, if there is one domain
     real(DP), intent(in) :: r(:)
     real(DP), intent(out) :: z(:)
-    real(DP), allocatable :: w(:)
-    integer :: d
-    if (self%n_domains == 1) then
-      z = r
-      call solve_rows(matrix, self%value, 1, self%n, z)
-      return
-    end if
-    allocate (w(self%n))
-    !$omp parallel do schedule(static, 1) num_threads(self%n_domains)
-    do d = 1, self%n_domains
-      associate (low => self%domain_first(d), high => self%domain_first(d + 1) - 1)
-        w(low:high) = r(self%domain_unknown(low:high))
-        call solve_rows(self%inner, self%value, low, high, w)
-        z(self%domain_unknown(low:high)) = w(low:high)
-      end associate
-    end do
-    !$omp end parallel do
+    call apply_incomplete(self%incomplete, matrix, r, z)
   end subroutine apply_first_level
-
-
-  !> Forward and backward substitution with some rows of U.
-  pure subroutine solve_rows(pattern, value, low, high, z)
-    type(sparse_type), intent(in) :: pattern           !< of U
-    real(SP), intent(in) :: value(:)                   !< U
-    integer, intent(in) :: low, high                   !< rows; their entries lie within them
-    real(DP), intent(inout) :: z(:)
-    real(DP) :: sum
-    integer :: k, p
-    do k = low, high
-      z(k) = z(k) * real(value(pattern%first(k)), DP)
-      do p = pattern%first(k) + 1, pattern%first(k + 1) - 1
-        z(pattern%column(p)) = z(pattern%column(p)) - real(value(p), DP) * z(k)
-      end do
-    end do
-    do k = high, low, -1
-      sum = z(k)
-      do p = pattern%first(k) + 1, pattern%first(k + 1) - 1
-        sum = sum - real(value(p), DP) * z(pattern%column(p))
-      end do
-      z(k) = sum * real(value(pattern%first(k)), DP)
-    end do
-  end subroutine solve_rows
 
 end module amontons_two_level_preconditioner
