@@ -16,13 +16,13 @@ module amontons_job_files
   use amontons_postprocess, only: n_nodal_slaves
   use amontons_increment_control, only: increment_control_type
   use amontons_hdf5_file, only: repair_hdf5
-  use amontons_results, only: results_type, open_results, resume_results, write_increment, write_attempt, &
+  use amontons_results, only: results_type, open_results, write_model, resume_results, write_increment, write_attempt, &
     write_iteration, close_results, export_result_pages, apply_result_pages, discard_results, &
     is_writing
   use amontons_text_output, only: text_output_type, open_text_output, resume_text_output, print_iteration, print_increment, &
     print_fields, &
     sync_text_output, text_output_lengths, check_text_output, close_text_output
-  use amontons_frd_output, only: frd_type, open_frd, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
+  use amontons_frd_output, only: frd_type, open_frd, write_frd_mesh, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
   use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
   use amontons_driven_loads, only: driven_loads_type
@@ -86,14 +86,24 @@ contains
   end function is_batch
 
 
-  !> Opens new result files, and writes the state before the first increment.
+  !> Opens new result files, and writes the model and the state before the first increment.
   subroutine open_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
-    if (is_first_rank()) call open_first_files(analysis, error)
-    if (.not. allocated(error)) then
-      if (is_last_rank()) call open_frd(analysis%frd, analysis%model, analysis%options, error)
-    end if
+    type(error_type), allocatable :: frd_error
+    if (is_first_rank()) call create_first_files(analysis, error)
+    call share_error(error)                        ! of another job's files none is replaced
+    if (allocated(error)) return
+    if (is_last_rank()) call open_frd(analysis%frd, analysis%model, analysis%options, error)
+    call share_error(error)
+    if (allocated(error)) return
+    !$omp parallel sections num_threads(2) if(has_two_threads())
+    !$omp section
+    if (is_first_rank()) call begin_first_files(analysis, error)
+    !$omp section
+    call write_frd_mesh(analysis%frd, analysis%model, frd_error)
+    !$omp end parallel sections
+    if (.not. allocated(error) .and. allocated(frd_error)) call move_alloc(frd_error, error)
     call share_error(error)
     if (allocated(error)) return
     analysis%has_files = .true.
@@ -103,20 +113,28 @@ contains
   end subroutine open_files
 
 
-  !> Opens those of the first rank.
-  subroutine open_first_files(analysis, error)
+  !> Creates those of the first rank.
+  subroutine create_first_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
     call open_results(analysis%results, analysis%model, analysis%options, error)
     if (allocated(error)) return
     call open_text_output(analysis%text_output, analysis%model, analysis%options, error)
+  end subroutine create_first_files
+
+
+  !> Writes the model and the first frame into them.
+  subroutine begin_first_files(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    call write_model(analysis%results, analysis%model, error)
     if (allocated(error)) return
     call write_first(analysis, error)
     if (allocated(error)) return
     if (any(analysis%model%steps%restart_frequency > 0)) call create_restart_file(analysis%restart_file, &
       job_path(analysis%options, '.res'), analysis%model%deck_text, analysis%model%dialect, error)
     call text_output_lengths(analysis%text_output, analysis%lengths)
-  end subroutine open_first_files
+  end subroutine begin_first_files
 
 
   !> What the checkpoint, which the first rank writes, must know of the .frd file of the last rank.

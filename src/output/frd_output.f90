@@ -36,7 +36,7 @@ module amontons_frd_output
   use amontons_version, only: VERSION
   implicit none
   private
-  public :: frd_type, open_frd, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
+  public :: frd_type, open_frd, write_frd_mesh, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
 
   real(DP), parameter :: TOL_EQUAL_PRESSURE = 1.0e-6_DP         !< relative difference of equal pressures [-]
   integer, parameter :: FRD_VALUES_PER_LINE = 6              !< values
@@ -80,7 +80,7 @@ module amontons_frd_output
 
 contains
 
-  !> Creates job.frd with the mesh, if requested.
+  !> Creates job.frd, if requested.
   subroutine open_frd(frd, model, options, error)
     type(frd_type), intent(out) :: frd
     type(model_type), intent(in) :: model
@@ -89,12 +89,20 @@ contains
     call prepare(frd, model, options)
     if (.not. is_wanted(model, options)) return
     call open_file(frd, 'replace', error)
-    if (allocated(error)) return
+  end subroutine open_frd
+
+
+  !> Writes the mesh, if the file is open.
+  subroutine write_frd_mesh(frd, model, error)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    if (frd%unit == 0) return
     call write_head(frd, model)
     call write_nodes(frd, model%mesh)
     call write_elements(frd, model%mesh)
     call check_written(frd, error)
-  end subroutine open_frd
+  end subroutine write_frd_mesh
 
 
   !> Reopens the file of a job resumed from a checkpoint, truncated to its length then.
@@ -107,6 +115,7 @@ contains
     call prepare(frd, model, options)
     if (counts(1) == 0) then
       call open_frd(frd, model, options, error)
+      if (.not. allocated(error)) call write_frd_mesh(frd, model, error)
       return
     end if
     frd%is_all = frd%is_all .or. .not. is_wanted(model, options)

@@ -49,7 +49,7 @@ module amontons_results
     sum_pair_forces
   implicit none
   private
-  public :: results_type, open_results, resume_results, write_increment, write_attempt, write_iteration, close_results
+  public :: results_type, open_results, write_model, resume_results, write_increment, write_attempt, write_iteration, close_results
   public :: export_result_pages, apply_result_pages, discard_results, is_writing, point_fields, pair_rows
 
   character(*), parameter :: REASON_TABLE = '/AMONTONS/history/reason'
@@ -117,13 +117,22 @@ contains
     results%point_columns = columns_of_nodes(model)
     results%integration_columns = columns_of_points(model)
     call create_hdf5(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
-    if (.not. allocated(error)) call write_grid(results%store, model%mesh, results%drawn, error)
+    if (allocated(error)) call abandon(results)
+  end subroutine open_results
+
+
+  !> Writes what all frames share: grid, cells and data of the model.
+  subroutine write_model(results, model, error)
+    type(results_type), intent(inout) :: results   !< open
+    type(model_type), intent(in) :: model
+    type(error_type), allocatable, intent(out) :: error
+    call write_grid(results%store, model%mesh, results%drawn, error)
     if (.not. allocated(error)) call write_cells(results%store, model%mesh, results%drawn%n_cells, error)
     if (.not. allocated(error)) call create_frames(results, error)
     if (.not. allocated(error)) call write_model_data(results%store, model, error)
     if (.not. allocated(error)) call create_histories(results, size(model%pairs), error)
     if (allocated(error)) call abandon(results)
-  end subroutine open_results
+  end subroutine write_model
 
 
   !> Opens the file of a job resumed from a checkpoint; the file has already been restored to that commit.

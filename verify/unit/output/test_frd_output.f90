@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_frd_output
   use amontons_errors, only: error_type, EXIT_IO
-  use amontons_frd_output, only: frd_type, open_frd, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
+  use amontons_frd_output, only: frd_type, open_frd, write_frd_mesh, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
   use amontons_iteration_records, only: increment_record_type
   use amontons_kinds, only: DP, I64
   use amontons_mesh, only: finalize_mesh, mesh_type, set_type
@@ -42,6 +42,7 @@ contains
     type(error_type), allocatable :: error
     integer :: i
     call open_frd(frd, model, options, error)
+    call write_frd_mesh(frd, model, error)
     call suite%that('opened', .not. allocated(error))
     do i = 1, n
       call make_fields(model, i, fields)
@@ -236,6 +237,7 @@ contains
     call write_job(2)
     whole = lines
     call open_frd(frd, model, options, error)
+    call write_frd_mesh(frd, model, error)
     call make_fields(model, 1, fields)
     fields%step = 1
     call write_frd(frd, model, fields, make_record(1, 1, 1, .true.), error)
@@ -272,6 +274,7 @@ contains
     call suite%that('no folder', allocated(error))
     if (allocated(error)) call suite%that(error%message, error%code == EXIT_IO .and. index(error%message, 'no/such/folder') > 0)
     call open_frd(frd, model, options, error)
+    call write_frd_mesh(frd, model, error)
     call make_fields(model, 1, fields)
     call write_frd(frd, model, fields, make_record(1, 0, 1, .true.), error)
     call frd_file_counts(frd, counts)

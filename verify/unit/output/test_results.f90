@@ -10,7 +10,8 @@ program test_results
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
   use amontons_shape_functions, only: node_coordinates
-  use amontons_results, only: close_results, open_results, results_type, write_attempt, write_increment, write_iteration
+  use amontons_results, only: close_results, open_results, write_model, results_type, write_attempt, write_increment, &
+    write_iteration
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -36,6 +37,7 @@ contains
     integer :: i
     call make_model(model)
     call open_results(results, model, make_options('job'), error)
+    if (.not. allocated(error)) call write_model(results, model, error)
     call suite%that('job.vtkhdf opens', .not. allocated(error))
     call write_frame(suite, results, model, 0, make_record(1, 0, 1, .true.))
     call copy_file('job.vtkhdf', 'after_0.vtkhdf')
@@ -70,8 +72,10 @@ contains
     type(error_type), allocatable :: error
     call make_model(model)
     call open_results(a, model, make_options('a'), error)
+    if (.not. allocated(error)) call write_model(a, model, error)
     call suite%that('a.vtkhdf opens', .not. allocated(error))
     call open_results(b, model, make_options('b'), error)
+    if (.not. allocated(error)) call write_model(b, model, error)
     call suite%that('b.vtkhdf opens beside it', .not. allocated(error))
     call write_frame(suite, a, model, 0, make_record(1, 0, 1, .true.))
     call write_frame(suite, b, model, 3, make_record(1, 0, 1, .true.))
@@ -118,6 +122,7 @@ contains
     type(results_type) :: results
     type(error_type), allocatable :: error
     call open_results(results, model, make_options('refused'), error)
+    if (.not. allocated(error)) call write_model(results, model, error)
     call write_frame(suite, results, model, 0, make_record(1, 0, 1, .true.))
     call write_increment(results, model, fields, make_record(1, 1, 1, .true.), error)
     call expect_error(suite, error, EXIT_INTERNAL, message)
