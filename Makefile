@@ -61,7 +61,8 @@ OPT_races    := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 CHECK_debug    := -fcheck=all -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan
 CHECK_sanitize := -fcheck=all,no-array-temps -fbacktrace -finit-real=snan
 UNIT_release := -O0#  the programs of the unit tests are compiled often and run once: a quarter of the time of -O1
-COMMON := $(OPT_$(BUILD)) -fPIC -fopenmp $(if $(WERROR),-Werror)
+# A product and a sum are rounded one by one, so that every processor gives the same digits (with the same kernels of the BLAS).
+COMMON := $(OPT_$(BUILD)) -ffp-contract=off -fPIC -fopenmp $(if $(WERROR),-Werror)
 
 # HDF5 by pkg-config where it is known there; then the usual places: Debian, Fedora, conda, Homebrew.
 PLACES := $(CONDA_PREFIX) $(HOMEBREW_PREFIX)

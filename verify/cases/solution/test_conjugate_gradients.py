@@ -157,25 +157,33 @@ def test_first_touch(run: Run, tmp_path: Path) -> None:
     compare(run, tmp_path, press[0], with_gradients(press[1], "FACTOR"))
 
 
+def is_equilibrium(run: Run, folder: Path, deck: str) -> str:
+    """Whether nothing moves in a further step by Newton's method; returns what the terminal shows."""
+    folder.mkdir(exist_ok=True)
+    (folder / "job.inp").write_text(deck + "*STEP, NLGEOM\n*STATIC, SOLVER=AUTO\n1., 1.\n*END STEP\n")
+    done = run(["--no-checkpoint", "job"], cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with h5py.File(folder / "job.vtkhdf") as file:
+        starts, n = file["VTKHDF/Steps/PointDataOffsets/U"][-2:], file["VTKHDF/NumberOfPoints"][0]
+        u, v = (np.asarray(file["VTKHDF/PointData/U"][start : start + n]) for start in starts)
+    assert np.abs(u - v).max() <= 1e-5 * np.abs(u).max()
+    return done.stdout
+
+
 def test_limit_by_friction(run: Run, tmp_path: Path) -> None:
     """A block dragged with mu = 1 tilts on its front edge, whose friction changes its own limit by more than itself: with the new limit in
-    each round the node would stick and slip by turns, and six attempts fail in place of three."""
-    compare(run, tmp_path, drag(1.0, "AUTO", 5), with_gradients(drag(1.0, "ALL", 5), "NODAL"))
-    assert sum(a.is_failed for a in read_sta(tmp_path / "gradients" / "job.sta")) <= 4
+    each round the node would stick and slip by turns, and twice as many attempts fail. The body snaps, so that its equilibrium need not be that
+    of Newton's method."""
+    text = is_equilibrium(run, tmp_path, with_gradients(drag(1.0, "ALL", 5), "NODAL"))
+    assert "snapped to another equilibrium" in text
+    assert sum(a.is_failed for a in read_sta(tmp_path / "job.sta")) <= 5
 
 
 def test_snap_is_named(run: Run, tmp_path: Path) -> None:
     """The same block with FACTOR: where the friction that is held leaves no minimum, the body moves to another equilibrium, which Newton's
     method does not reach. It is a true one: with Newton's method in a further step nothing moves. The terminal and .cvg name the snap."""
-    deck = with_gradients(drag(1.0, "ALL", 5), "FACTOR") + "*STEP, NLGEOM\n*STATIC, SOLVER=AUTO\n1., 1.\n*END STEP\n"
-    (tmp_path / "job.inp").write_text(deck)
-    done = run(["--no-checkpoint", "job"], cwd=tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
-    with h5py.File(tmp_path / "job.vtkhdf") as file:
-        starts, n = file["VTKHDF/Steps/PointDataOffsets/U"][-2:], file["VTKHDF/NumberOfPoints"][0]
-        u, v = (np.asarray(file["VTKHDF/PointData/U"][start : start + n]) for start in starts)
-    assert np.abs(u - v).max() <= 1e-5 * np.abs(u).max()
-    assert "No equilibrium nearby: snap-through to another equilibrium" in done.stdout
+    text = is_equilibrium(run, tmp_path, with_gradients(drag(1.0, "ALL", 5), "FACTOR"))
+    assert "No equilibrium nearby: snap-through to another equilibrium" in text
     assert "** snap-through to another equilibrium" in (tmp_path / "job.cvg").read_text()
 
 
