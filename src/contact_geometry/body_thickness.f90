@@ -21,7 +21,7 @@ contains
 
   !> The thickness below each face in the reference configuration: the way from its centre along the inward normal to the next face
   !! of the same body that opposes it. Of a thin face (`is_thin`) it is its depth; huge where there is no face within the reach.
-  !! Cost: one search for each face.
+  !! Cost: for each face a search among its neighbours for each mean edge that fits into the thickness.
   subroutine measure_body_thickness(mesh, exterior, reach, thickness)
     type(mesh_type), intent(in) :: mesh
     type(exterior_type), intent(in) :: exterior
@@ -30,27 +30,64 @@ contains
     type(facets_type) :: boxes
     type(facet_search_type) :: search
     integer, allocatable :: list(:)
-    integer :: f, g, k, n, i
+    real(DP) :: extent(exterior%n_bodies), step, way
+    integer :: f, n, i
     allocate (thickness(exterior%n), source=huge(1.0_DP))
     boxes%n = exterior%n
     boxes%first = [(2 * i - 1, i=1, boxes%n + 1)]
     boxes%nodes = [(i, i=1, 2 * boxes%n)]
-    call build_facet_search(boxes, reshape(exterior%box, [3, 2 * exterior%n]), reach, search)
+    step = sum(exterior%edge_length) / real(max(1, exterior%n), DP)
+    extent = body_extents(exterior)
+    call build_facet_search(boxes, reshape(exterior%box, [3, 2 * exterior%n]), step, search)
     do f = 1, exterior%n
       if (is_thin(exterior%depth(f), exterior%edge_length(f))) then
         thickness(f) = exterior%depth(f)
         cycle
       end if
-      call find_near_facets(search, exterior%centre(:, f), list, n)
-      do k = 1, n
-        g = list(k)
-        if (g == f .or. exterior%body(g) /= exterior%body(f)) cycle
-        if (dot_product(exterior%normal(:, f), exterior%normal(:, g)) > -MIN_OPPOSED_COSINE) cycle
-        thickness(f) = min(thickness(f), distance_along(exterior%centre(:, f), -exterior%normal(:, f), exterior%normal(:, g), &
-          mesh%coordinates(:, exterior%nodes(exterior%first(g):exterior%first(g) + exterior%n_corners(g) - 1))))
+      way = 0.0_DP                                 ! along the ray; faces that it hits up to a step farther are found
+      do while (way <= min(reach, extent(exterior%body(f))) .and. way + step < thickness(f))
+        call find_near_facets(search, exterior%centre(:, f) - way * exterior%normal(:, f), list, n)
+        call find_opposed_face(mesh, exterior, f, list(:n), thickness(f))
+        way = way + step
       end do
     end do
   end subroutine measure_body_thickness
+
+
+  !> The diagonals of the boxes of the bodies [length].
+  pure function body_extents(exterior) result(extent)
+    type(exterior_type), intent(in) :: exterior
+    real(DP) :: extent(exterior%n_bodies)
+    real(DP) :: low(3, exterior%n_bodies), high(3, exterior%n_bodies)
+    integer :: f, b
+    low = huge(1.0_DP)
+    high = -huge(1.0_DP)
+    do f = 1, exterior%n
+      low(:, exterior%body(f)) = min(low(:, exterior%body(f)), exterior%box(:, 1, f))
+      high(:, exterior%body(f)) = max(high(:, exterior%body(f)), exterior%box(:, 2, f))
+    end do
+    do b = 1, exterior%n_bodies
+      extent(b) = norm2(max(0.0_DP, high(:, b) - low(:, b)))
+    end do
+  end function body_extents
+
+
+  !> Lowers the thickness below a face to the way to the nearest of some faces that oppose it.
+  pure subroutine find_opposed_face(mesh, exterior, f, list, thickness)
+    type(mesh_type), intent(in) :: mesh
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: f                       !< face
+    integer, intent(in) :: list(:)                 !< faces
+    real(DP), intent(inout) :: thickness           !< [length]
+    integer :: g, k
+    do k = 1, size(list)
+      g = list(k)
+      if (g == f .or. exterior%body(g) /= exterior%body(f)) cycle
+      if (dot_product(exterior%normal(:, f), exterior%normal(:, g)) > -MIN_OPPOSED_COSINE) cycle
+      thickness = min(thickness, distance_along(exterior%centre(:, f), -exterior%normal(:, f), exterior%normal(:, g), &
+        mesh%coordinates(:, exterior%nodes(exterior%first(g):exterior%first(g) + exterior%n_corners(g) - 1))))
+    end do
+  end subroutine find_opposed_face
 
 
   !> The way from a point along a ray to a face; huge if the ray does not hit it [length].

@@ -1,45 +1,51 @@
 !> Bucket search: facets whose enlarged bounding boxes contain a point.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Each facet's bounding box, enlarged by the search radius, is entered in every cell of a uniform grid that it touches. A query
-!! reads one cell and keeps the facets whose enlarged box contains the point. No facet within the radius is missed; the facets come
-!! in ascending order, so that the result is deterministic. Building costs O(n), a query O(number of facets found).
+!! Each facet's bounding box, enlarged by the search radius, is entered in every cell that it touches, of a grid whose cells fit
+!! its size: grids of larger facets have cells of twice, four times, ... the size. Cells are hashed into buckets, so that empty
+!! space costs nothing, however far bodies are apart. A query reads one bucket for each grid and keeps the facets whose enlarged
+!! box contains the point. No facet within the radius is missed; the facets come in ascending order, so that the result is
+!! deterministic. Building costs O(n), a query O(number of facets found).
+!! References: Teschner et al., Proc. Vision, Modeling, Visualization 2003, 47 (hashed cells); Ericson, Real-Time Collision
+!! Detection, Elsevier 2005, sec. 7.2 (grids of several sizes).
 module amontons_facet_search
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, I64
   use amontons_facets, only: facets_type
   implicit none
   private
   public :: facet_search_type, build_facet_search, renew_facet_search, find_near_facets
 
-  integer, parameter :: MAX_CELLS_PER_FACET = 8        !< the grid has at most this many cells per facet (and a few more)
+  integer, parameter :: BUCKETS_PER_FACET = 4          !< so that few cells share a bucket
+  integer, parameter :: MAX_LEVELS = 30                !< grids
+  real(DP), parameter :: MAX_CELLS_PER_SIDE = 2.0_DP   !< largest side of a box over the cells of its grid [-]
   real(DP), parameter :: BOX_ENLARGEMENT = 0.12_DP  !< boxes are enlarged by this fraction for extension zone and curvature [-]
 
-  !> The grid of one surface in one configuration.
+  !> The grids of one surface in one configuration.
   type :: facet_search_type
     real(DP) :: margin = 0                         !< facets up to this distance are found [length]
-    real(DP) :: lower(3) = 0                       !< corner of the grid [length]
-    real(DP) :: cell = 1                           !< size of a cell [length]
-    integer :: n_cells(3) = 0
-    integer, allocatable :: first(:)               !< (cells + 1) start of a cell's facets
-    integer, allocatable :: facet(:)               !< facets of all cells, ascending in each
+    real(DP) :: lower(3) = 0, upper(3) = 0         !< corners of the box of all [length]
+    real(DP) :: cell(0:MAX_LEVELS) = 1             !< size of a cell of each grid [length]
+    logical :: is_used(0:MAX_LEVELS) = .false.     !< a grid has facets
+    integer, allocatable :: level(:)               !< (n) grid of each facet
+    integer, allocatable :: first(:)               !< (buckets + 1) start of a bucket's facets
+    integer, allocatable :: facet(:)               !< facets of all buckets, ascending in each
     real(DP), allocatable :: box(:, :, :)          !< (3, 2, n) lower and upper corners of the widened boxes [length]
     real(DP), allocatable :: place(:, :)           !< (3, size(facets%nodes)) nodes of the facets when it was built [length]
   end type facet_search_type
 
 contains
 
-  !> Builds the grid for the facets at coordinates x. Cost: O(n) for facets of similar size.
+  !> Builds the grids for the facets at coordinates x. Cost: O(n).
   subroutine build_facet_search(facets, x, margin, search)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     real(DP), value :: margin                      !< search radius, >= 0 [length]
     type(facet_search_type), intent(out) :: search
-    real(DP) :: mean_size
     search%margin = margin
-    call build_boxes(facets, x, search, mean_size)
+    call build_boxes(facets, x, search)
     if (facets%n == 0) return
-    call size_grid(max(mean_size, margin), search)
-    call collect_cell_facets(search)
+    call size_grids(search)
+    call fill_buckets(search)
     search%place = x(:, facets%nodes)
   end subroutine build_facet_search
 
@@ -63,34 +69,35 @@ contains
     real(DP), intent(in) :: point(3)               !< [length]
     integer, allocatable, intent(inout) :: list(:) !< facets; grows when too short, so it can be reused
     integer, intent(out) :: n                      !< number found
-    integer :: cell_index(3), c, k, f
+    integer :: l, c, k, f, n_before
     n = 0
     call ensure_size(list, 0)                      ! allocate it even if nothing is found
     if (.not. allocated(search%first)) return
-    if (any(point < search%lower)) return
-    if (any(point > search%lower + search%cell * real(search%n_cells, DP))) return
-    cell_index = locate_cell(search, point)
-    c = cell_number(search, cell_index)
-    call ensure_size(list, search%first(c + 1) - search%first(c))
-    do k = search%first(c), search%first(c + 1) - 1
-      f = search%facet(k)
-      if (any(point < search%box(:, 1, f)) .or. any(point > search%box(:, 2, f))) cycle
-      n = n + 1
-      list(n) = f
+    if (any(point < search%lower) .or. any(point > search%upper)) return
+    do l = 0, MAX_LEVELS
+      if (.not. search%is_used(l)) cycle
+      c = bucket_of(search, l, cell_index(search, l, point))
+      n_before = n
+      call extend(list, n, n + search%first(c + 1) - search%first(c))
+      do k = search%first(c), search%first(c + 1) - 1
+        f = search%facet(k)
+        if (search%level(f) /= l .or. any(point < search%box(:, 1, f)) .or. any(point > search%box(:, 2, f))) cycle
+        n = n + 1
+        list(n) = f
+      end do
+      call merge_ascending(list(:n), n_before)
     end do
   end subroutine find_near_facets
 
 
-  !> The enlarged boxes, and the mean of their largest sides before the margin is added.
-  subroutine build_boxes(facets, x, search, mean_size)
+  !> The enlarged boxes.
+  subroutine build_boxes(facets, x, search)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     type(facet_search_type), intent(inout) :: search
-    real(DP), intent(out) :: mean_size             !< [length]
     real(DP) :: low(3), high(3), extent
     integer :: f, k
     allocate (search%box(3, 2, facets%n))
-    mean_size = 0
     do f = 1, facets%n
       low = x(:, facets%nodes(facets%first(f)))
       high = low
@@ -99,79 +106,80 @@ contains
         high = max(high, x(:, facets%nodes(k)))
       end do
       extent = maxval(high - low)
-      mean_size = mean_size + extent / real(facets%n, DP)
       search%box(:, 1, f) = low - (search%margin + BOX_ENLARGEMENT * extent)
       search%box(:, 2, f) = high + (search%margin + BOX_ENLARGEMENT * extent)
     end do
   end subroutine build_boxes
 
 
-  !> Chooses the cells: of the target size, or larger if there would be too many.
-  subroutine size_grid(target_size, search)
-    real(DP), intent(in) :: target_size                 !< target size of a cell [length]
+  !> Chooses the cells, the smallest ones by the smallest box, and the grid of each facet.
+  subroutine size_grids(search)
     type(facet_search_type), intent(inout) :: search
-    real(DP) :: span(3), max_cells
-    integer :: i
-    do i = 1, 3
-      search%lower(i) = minval(search%box(i, 1, :))
-      span(i) = maxval(search%box(i, 2, :)) - search%lower(i)
+    real(DP) :: side(size(search%box, 3))
+    integer :: f, l
+    search%lower = minval(search%box(:, 1, :), dim=2)
+    search%upper = maxval(search%box(:, 2, :), dim=2)
+    side = maxval(search%box(:, 2, :) - search%box(:, 1, :), dim=1)
+    search%cell(0) = max(minval(side) / MAX_CELLS_PER_SIDE, maxval(search%upper - search%lower) / 2.0_DP**(MAX_LEVELS - 1), &
+      tiny(1.0_DP))
+    do l = 1, MAX_LEVELS
+      search%cell(l) = 2.0_DP * search%cell(l - 1)
     end do
-    max_cells = real(MAX_CELLS_PER_FACET, DP) * real(size(search%box, 3), DP) + 64
-    search%cell = max(target_size, maxval(span) / 1.0e6_DP, tiny(1.0_DP))
-    do while (product(count_cells(span, search%cell)) > max_cells)
-      search%cell = 1.25_DP * search%cell
+    allocate (search%level(size(side)))
+    do f = 1, size(side)
+      l = 0
+      do while (side(f) > MAX_CELLS_PER_SIDE * search%cell(l) .and. l < MAX_LEVELS)
+        l = l + 1
+      end do
+      search%level(f) = l
+      search%is_used(l) = .true.
     end do
-    search%n_cells = nint(count_cells(span, search%cell))
-  end subroutine size_grid
+  end subroutine size_grids
 
 
-  !> Number of cells along each axis, as reals because their product may be huge.
-  pure function count_cells(span, cell) result(n)
-    real(DP), intent(in) :: span(3), cell          !< [length]
-    real(DP) :: n(3)
-    n = max(aint(span / cell) + 1, 1.0_DP)
-  end function count_cells
-
-
-  !> Enters the facets in the cells: count, then fill, facet by facet, so that each cell's list ascends.
-  subroutine collect_cell_facets(search)
+  !> Enters the facets in the buckets: count, then fill, facet by facet, so that each bucket's list ascends.
+  subroutine fill_buckets(search)
     type(facet_search_type), intent(inout) :: search
-    integer, allocatable :: next(:), list(:)
+    integer, allocatable :: next(:), last(:), list(:)
     integer :: f, c, n
-    n = product(search%n_cells)
-    allocate (next(n), source=0)
-    allocate (list(0))
-    do f = 1, size(search%box, 3)
-      call insert_facet(search, f, next, list)
-    end do
+    n = BUCKETS_PER_FACET * size(search%level) + 1
     allocate (search%first(n + 1))
+    allocate (next(n), last(n), source=0)
+    allocate (list(0))
+    do f = 1, size(search%level)
+      call insert_facet(search, f, next, last, list)
+    end do
     search%first(1) = 1
     do c = 1, n
       search%first(c + 1) = search%first(c) + next(c)
     end do
     next = search%first(:n)
+    last = 0
     deallocate (list)
     allocate (list(search%first(n + 1) - 1))
-    do f = 1, size(search%box, 3)
-      call insert_facet(search, f, next, list)
+    do f = 1, size(search%level)
+      call insert_facet(search, f, next, last, list)
     end do
     call move_alloc(list, search%facet)
-  end subroutine collect_cell_facets
+  end subroutine fill_buckets
 
 
-  !> Enters one facet in all cells that its box touches; with an empty list only counts it.
-  subroutine insert_facet(search, f, next, list)
+  !> Enters one facet in the buckets of all cells that its box touches, once in each; with an empty list only counts it.
+  subroutine insert_facet(search, f, next, last, list)
     type(facet_search_type), intent(in) :: search
     integer, intent(in) :: f                       !< facet
-    integer, intent(inout) :: next(:)              !< (cells) position of the next facet of each cell
-    integer, intent(inout) :: list(:)              !< facets of all cells
+    integer, intent(inout) :: next(:)              !< (buckets) position of the next facet of each bucket
+    integer, intent(inout) :: last(:)              !< (buckets) the last facet entered
+    integer, intent(inout) :: list(:)              !< facets of all buckets
     integer :: low(3), high(3), i, j, k, c
-    low = locate_cell(search, search%box(:, 1, f))
-    high = locate_cell(search, search%box(:, 2, f))
+    low = cell_index(search, search%level(f), search%box(:, 1, f))
+    high = cell_index(search, search%level(f), search%box(:, 2, f))
     do k = low(3), high(3)
       do j = low(2), high(2)
         do i = low(1), high(1)
-          c = cell_number(search, [i, j, k])
+          c = bucket_of(search, search%level(f), [i, j, k])
+          if (last(c) == f) cycle
+          last(c) = f
           if (size(list) > 0) list(next(c)) = f
           next(c) = next(c) + 1
         end do
@@ -180,22 +188,54 @@ contains
   end subroutine insert_facet
 
 
-  !> The cell of a point, counted from 0 along each axis.
-  pure function locate_cell(search, point) result(cell_index)
+  !> The cell of a point in a grid, counted from 0 along each axis.
+  pure function cell_index(search, level, point)
     type(facet_search_type), intent(in) :: search
-    real(DP), intent(in) :: point(3)               !< within the grid [length]
+    integer, intent(in) :: level                   !< grid
+    real(DP), intent(in) :: point(3)               !< within the box of all [length]
     integer :: cell_index(3)
-    cell_index = min(max(int((point - search%lower) / search%cell), 0), search%n_cells - 1)
-  end function locate_cell
+    cell_index = int((point - search%lower) / search%cell(level))
+  end function cell_index
 
 
-  !> The number of a cell, from 1, x fastest.
-  pure function cell_number(search, cell_index) result(c)
+  !> The bucket of a cell, from 1.
+  pure integer function bucket_of(search, level, cell)
     type(facet_search_type), intent(in) :: search
-    integer, intent(in) :: cell_index(3)                !< counted from 0
-    integer :: c
-    c = 1 + cell_index(1) + search%n_cells(1) * (cell_index(2) + search%n_cells(2) * cell_index(3))
-  end function cell_number
+    integer, intent(in) :: level                   !< grid
+    integer, intent(in) :: cell(3)
+    integer(I64), parameter :: FACTORS(3) = [73856093_I64, 19349663_I64, 83492791_I64]   ! primes of Teschner et al.
+    bucket_of = 1 + int(modulo(sum(FACTORS * int(cell, I64)) + int(level, I64), size(search%first, kind=I64) - 1))
+  end function bucket_of
+
+
+  !> Merges the first n items of a list with the rest; both ascend.
+  pure subroutine merge_ascending(list, n)
+    integer, intent(inout) :: list(:)
+    integer, intent(in) :: n
+    integer :: rest(size(list) - n), i, j
+    i = n
+    rest = list(n + 1:)
+    do j = size(rest), 1, -1
+      do while (i > 0)
+        if (list(i) < rest(j)) exit
+        list(i + j) = list(i)
+        i = i - 1
+      end do
+      list(i + j) = rest(j)
+    end do
+  end subroutine merge_ascending
+
+
+  !> Makes a list at least `size_wanted` long; its first n items stay.
+  pure subroutine extend(list, n, size_wanted)
+    integer, allocatable, intent(inout) :: list(:)
+    integer, intent(in) :: n, size_wanted
+    integer, allocatable :: longer(:)
+    if (size(list) >= size_wanted) return
+    allocate (longer(max(size_wanted, 2 * size(list))))
+    longer(:n) = list(:n)
+    call move_alloc(longer, list)
+  end subroutine extend
 
 
   !> Makes a list at least n long; its content is lost if it grows.

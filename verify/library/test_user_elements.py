@@ -270,7 +270,7 @@ def test_parts(run: Run, tmp_path: Path) -> None:
 
 
 def test_calculix_and_missing_file(run: Run, tmp_path: Path) -> None:
-    """Elements of CalculiX are compiled into it; a job without a file names the routine."""
+    """Of the elements that are compiled into CalculiX a beam is known alone; a job without a file names the routine."""
     deck = arch(THEIRS, nlgeom=False, load=-2.0)
     (tmp_path / "job.inp").write_text(deck)
     done = run(["job"], cwd=tmp_path)
@@ -279,4 +279,4 @@ def test_calculix_and_missing_file(run: Run, tmp_path: Path) -> None:
     (tmp_path / "job.inp").write_text("** dialect: calculix\n" + deck)
     done = run(["job", f"user={UEL}"], cwd=tmp_path)
     assert done.returncode == DECK_ERROR
-    assert "The user elements of CalculiX are compiled into it" in " ".join((done.stdout + done.stderr).split())
+    assert "Of the user elements of CalculiX, which are compiled into it, only the beam" in " ".join((done.stdout + done.stderr).split())

@@ -20,6 +20,7 @@ program test_facet_search
   call check_one_facet(suite)
   call check_place_and_size(suite)
   call check_size_of_grid(suite)
+  call check_graded(suite)
   call check_empty(suite)
   call check_moving(suite)
   call suite%finish()
@@ -178,7 +179,7 @@ contains
   end subroutine check_place_and_size
 
 
-  !> The grid has a bounded number of cells and entries per facet, also for a thin surface across space.
+  !> There is a bounded number of buckets and entries per facet, also for a thin surface across space.
   subroutine check_size_of_grid(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -187,16 +188,41 @@ contains
     integer :: i
     call make_grid(FACET_QUAD4, 60, 50, 0.3_DP, mesh, facets)
     call build_facet_search(facets, mesh%coordinates, 0.3_DP, search)
-    call suite%that('cells per facet', size(search%first) <= 8 * facets%n + 65)
+    call suite%that('buckets per facet', size(search%first) <= 8 * facets%n + 65)
     call suite%that('entries per facet', size(search%facet) <= 30 * facets%n)
     call make_grid(FACET_QUAD4, 2000, 1, 0.0_DP, mesh, facets)
     do i = 1, mesh%n_nodes - 1                       ! along the diagonal of space
       mesh%coordinates(:, i) = mesh%coordinates(1, i) + [0.0_DP, mesh%coordinates(2, i), 0.0_DP]
     end do
     call build_facet_search(facets, mesh%coordinates, 0.1_DP, search)
-    call suite%that('cells of a diagonal strip', size(search%first) <= 8 * facets%n + 65)
+    call suite%that('buckets of a diagonal strip', size(search%first) <= 8 * facets%n + 65)
     call suite%that('entries of a diagonal strip', size(search%facet) <= 30 * facets%n)
   end subroutine check_size_of_grid
+
+
+  !> Facets whose sizes differ by a factor of millions: a query reads few of them, and those whose box contains the point are found.
+  subroutine check_graded(suite)
+    type(suite_type), intent(inout) :: suite
+    type(mesh_type) :: mesh
+    type(facets_type) :: facets
+    type(facet_search_type) :: search
+    integer, allocatable :: list(:)
+    real(DP) :: point(3)
+    integer :: i, f, n, n_wrong
+    call make_grid(FACET_QUAD4, 60, 50, 0.0_DP, mesh, facets)
+    mesh%coordinates(:2, :) = (mesh%coordinates(:2, :) / 50.0_DP)**5
+    call build_facet_search(facets, mesh%coordinates, 0.0_DP, search)
+    call suite%that('graded: entries per facet', size(search%facet) <= 30 * facets%n)
+    call suite%that('graded: facets in a bucket', maxval(search%first(2:) - search%first(:size(search%first) - 1)) <= 100)
+    n_wrong = 0
+    do i = 1, facets%n, 7
+      point = sum(mesh%coordinates(:, facets%nodes(facets%first(i):facets%first(i + 1) - 1)), dim=2) / 4.0_DP
+      call find_near_facets(search, point, list, n)
+      n_wrong = n_wrong + abs(n - count([(all(point >= search%box(:, 1, f) .and. point <= search%box(:, 2, f)), f=1, facets%n)]))
+      if (.not. any(list(:n) == i) .or. any(list(2:n) <= list(:n - 1))) n_wrong = n_wrong + 1
+    end do
+    call suite%that('graded: all that contain a point are found, in order', n_wrong == 0)
+  end subroutine check_graded
 
 
   subroutine check_empty(suite)
