@@ -269,9 +269,9 @@ contains
     call table%option('POISSON', VALUE_REAL, 'The area changes by the material, as that of a solid.', status=ENTRY_IGNORED)
     call table%option('LUMPED|ROTARY INERTIA', VALUE_TEXT, 'Statics has no inertia.', status=ENTRY_IGNORED)
     call table%option('NODAL THICKNESS', VALUE_TEXT, 'Give the dimensions.', status=ENTRY_REJECTED)
-  call table%card('BEAM GENERAL SECTION', SCOPE_MODEL, 'Gives beams their cross-section and its elasticity, without a *MATERIAL.', &
-         data='dimensions as in BEAM SECTION; GENERAL: area, I11, I12, I22, J; second line: direction 1; ' // &
-           'third line: Young''s modulus, shear modulus, thermal expansion')
+    call table%card('BEAM GENERAL SECTION', SCOPE_MODEL, 'Gives beams a cross-section and its elasticity, without a *MATERIAL.', &
+      data='dimensions as in BEAM SECTION; GENERAL: area, I11, I12, I22, J; second line: direction 1; ' // &
+      'third line: Young''s modulus, shear modulus, thermal expansion')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
     call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX|I|GENERAL', default='required')
     call table%reject_words('ARBITRARY|CHANNEL|HEX|L|T|TRAPEZOID|MESHED|NONLINEAR GENERAL', &

@@ -183,7 +183,7 @@ def test_both_interfaces_of(run: Run, tmp_path: Path, name: str) -> None:
     deck = DECKS[name]()
     dense, skin = (solve(run, tmp_path / f"tight {interface}", with_interface(deck, interface, 1e-10)) for interface in ("DENSE", "SKIN"))
     assert skin.history["n_krylov"].sum() > 2 * skin.n_iterations, "the second job did not use the skin"
-    is_loose = "stack of" in name      # rounding decides whether bodies that contact alone holds settle at once
+    is_loose = "stack of" in name      # rounding decides whether bodies that contact alone holds converge at once
     same_fields(skin, dense, FLIGHT if is_loose else 1e-6)
     dense, skin = (solve(run, tmp_path / interface, with_interface(deck, interface), int(is_loose)) for interface in ("DENSE", "SKIN"))
     assert skin.n_failed > 0 or skin.n_iterations <= 1.5 * dense.n_iterations + 2
