@@ -112,11 +112,21 @@ contains
     real(DP), intent(inout) :: volumes(:)          !< (MAX_ELEMENT_POINTS) the first n are set [length^3]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
     real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
-    type(kinematics_type) :: kinematics
-    call set_reference(full_integration_kind(kind), X, kinematics, status, walls)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N_a(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
+    real(DP) :: inverse(3, 3), det, of_point(MAX_ELEMENT_POINTS)
+    integer :: rule, n_rule, p
+    rule = full_integration_kind(kind)
+    call quadrature(rule, n_rule, xi, w, walls)
+    status = ELEMENT_OK
+    do p = 1, N_KIND_POINTS(rule)
+      call shape_functions(rule, xi(:, p), N_a, dN)
+      call invert(jacobian_matrix(N_KIND_NODES(rule), X, dN), inverse, det)
+      if (.not. det > 0) status = ELEMENT_DEGENERATE
+      of_point(p) = w(p) * det
+    end do
     n = N_KIND_POINTS(kind)
-    volumes(:n) = kinematics%reference(:n)
-    if (kind == KIND_C3D8R) volumes(1) = sum(kinematics%reference(:8))
+    volumes(:n) = of_point(:n)
+    if (kind == KIND_C3D8R) volumes(1) = sum(of_point(:8))
   end subroutine evaluate_solid_volumes
 
 
@@ -434,19 +444,13 @@ contains
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
     real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
-    real(DP) :: jacobian(3, 3), inverse(3, 3), det
+    real(DP) :: inverse(3, 3), det
     integer :: n_rule, p, a, j
     status = ELEMENT_OK
     call quadrature(kind, n_rule, xi, w, walls)
     do p = 1, N_KIND_POINTS(kind)
       call shape_functions(kind, xi(:, p), N, dN)
-      jacobian = 0
-      do a = 2, N_KIND_NODES(kind)
-        do j = 1, 3
-          jacobian(:, j) = jacobian(:, j) + (X(:, a) - X(:, 1)) * dN(j, a)
-        end do
-      end do
-      call invert(jacobian, inverse, det)
+      call invert(jacobian_matrix(N_KIND_NODES(kind), X, dN), inverse, det)
       if (.not. det > 0) status = ELEMENT_DEGENERATE
       kinematics%reference(p) = w(p) * det
       kinematics%current(p) = w(p) * det
@@ -457,6 +461,22 @@ contains
       end do
     end do
   end subroutine set_reference
+
+
+  !> dX/dxi at a point, from the places relative to node 1.
+  pure function jacobian_matrix(n, X, dN) result(jacobian)
+    integer, intent(in) :: n                       !< nodes
+    real(DP), intent(in) :: X(:, :)                !< (3, n) [length]
+    real(DP), intent(in) :: dN(:, :)               !< (3, n) derivatives of the shape functions [-]
+    real(DP) :: jacobian(3, 3)
+    integer :: a, j
+    jacobian = 0
+    do a = 2, n
+      do j = 1, 3
+        jacobian(:, j) = jacobian(:, j) + (X(:, a) - X(:, 1)) * dN(j, a)
+      end do
+    end do
+  end function jacobian_matrix
 
 
   !> Displacement gradients; under NLGEOM current gradients and volumes; with mean dilatation the mean gradients and

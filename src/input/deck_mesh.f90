@@ -19,9 +19,8 @@ module amontons_deck_mesh
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: to_text, plural, verb, is_one_of, NUMBER_OK
   use amontons_user_elements, only: user_elements_type, user_kind_number
-  use amontons_element_kinds, only: element_kind_type, element_kind, element_kind_by_name, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
-    KIND_CPE4, &
-    KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, kind_family, element_kind_by_name, KIND_C3D8, &
+    KIND_C3D8_FULL, KIND_C3D8I, KIND_CPE4, KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, &
     FAMILY_USER, KIND_USER, is_structural_family
   implicit none
@@ -469,12 +468,12 @@ contains
   pure function is_thin(kind) result(is_so)
     integer, intent(in) :: kind                  !< KIND_..., 0: unknown
     logical :: is_so
-    type(element_kind_type) :: entry
+    integer :: family
     is_so = .false.
     if (kind == 0) return
-    entry = element_kind(kind)
-    is_so = all(entry%family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS, FAMILY_RIGID, FAMILY_USER]) .and. .not. &
-      is_structural_family(entry%family)
+    family = kind_family(kind)
+    is_so = all(family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS, FAMILY_RIGID, FAMILY_USER]) .and. .not. &
+      is_structural_family(family)
   end function is_thin
 
 
@@ -508,11 +507,8 @@ contains
     integer, intent(in) :: kind                  !< KIND_..., 0: unknown
     integer, intent(in) :: family                !< FAMILY_...
     logical :: is_so
-    type(element_kind_type) :: entry
     is_so = .false.
-    if (kind == 0) return
-    entry = element_kind(kind)
-    is_so = entry%family == family
+    if (kind > 0) is_so = kind_family(kind) == family
   end function is_in_family
 
 

@@ -5,7 +5,8 @@
 module amontons_element_kinds
   implicit none
   private
-  public :: element_kind_type, facet_kind_type, element_kind, facet_kind, element_kind_by_name, has_midsides
+  public :: element_kind_type, facet_kind_type, element_kind, kind_family, facet_kind, &
+    element_kind_by_name, has_midsides
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
   public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS8, KIND_CSS6
   public :: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC
@@ -123,6 +124,17 @@ module amontons_element_kinds
   end type facet_kind_type
 
 contains
+
+  !> The family of an element kind. Solids are found without the table: the reader needs it of each element several times.
+  pure integer function kind_family(kind) result(family)
+    integer, intent(in) :: kind               !< KIND_...
+    type(element_kind_type) :: entry
+    family = FAMILY_SOLID
+    if (kind <= N_SOLID_KINDS) return
+    entry = element_kind(kind)
+    family = entry%family
+  end function kind_family
+
 
   !> The table entry of an element kind.
   pure function element_kind(kind) result(entry)

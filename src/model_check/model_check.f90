@@ -28,7 +28,8 @@ module amontons_model_check
     ROW_CONFLICT
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
-  use amontons_model_check_bodies, only: report_error, report_warning, counted_noun, label_list, bodies_type, find_bodies, body_name
+  use amontons_model_check_bodies, only: report_error, report_warning, counted_noun, label_list, bodies_type, find_bodies, &
+    weigh_bodies, body_name
   use amontons_model_check_contact, only: check_contact, collect_pair_statistics, pair_statistics_type, is_closed
   use amontons_model_check_motion, only: check_rigid_motions
   use amontons_model_check_unpaired, only: check_unpaired_bodies
@@ -332,6 +333,7 @@ contains
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
     call find_bodies(model, 1, bodies)
+    call weigh_bodies(model, 1, bodies)
     text = mesh_table(model) // material_table(model) // body_table(model, bodies, contact, slaves)
     if (size(model%pairs) > 0) text = text // pair_table(model, contact, slaves)
     text = text // step_table(model)

@@ -7,10 +7,10 @@ module amontons_model_check_bodies
   use amontons_model, only: model_type, is_out, absent_elements, material_in_step
   use amontons_element_kinds, only: KIND_MASS
   use amontons_errors, only: diagnostic_list_type
-  use amontons_mesh, only: find_connected_nodes, wall_ratios
+  use amontons_mesh, only: mesh_type, find_connected_nodes, wall_ratios
   implicit none
   private
-  public :: body_type, bodies_type, find_bodies, body_name
+  public :: body_type, bodies_type, find_bodies, weigh_bodies, body_name
   public :: report_error, report_warning, label_list, step_list, join_item, counted_noun
 
   !> Elements connected by their nodes, or one node without elements that occurs in an equation.
@@ -22,8 +22,8 @@ module amontons_model_check_bodies
     real(DP) :: high(3) = -huge(1.0_DP)
     real(DP) :: centre(3) = 0                      !< of the box [length]
     real(DP) :: size = 1                           !< half the diagonal of the box [length]
-    real(DP) :: volume = 0                         !< [length^3]
-    real(DP) :: mass = 0                           !< of the elements with a density [mass]
+    real(DP) :: volume = 0                         !< after weigh_bodies [length^3]
+    real(DP) :: mass = 0                           !< of the elements with a density, after weigh_bodies [mass]
     character(:), allocatable :: set               !< name of an element set that is exactly this body; '': no such set
   end type body_type
 
@@ -39,7 +39,7 @@ module amontons_model_check_bodies
 
 contains
 
-  !> Finds the bodies, their boxes, volumes and masses. Cost: linear.
+  !> Finds the bodies and their boxes. Cost: linear.
   subroutine find_bodies(model, step, bodies)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< whose elements count: index into model%steps
@@ -55,7 +55,7 @@ contains
       bodies%of_element = bodies%of_node(mesh%nodes(mesh%first(:mesh%n_elements)))
       where (absent_elements(model, step)) bodies%of_element = 0
     end associate
-    call measure_bodies(model, step, bodies)
+    call measure_bodies(model%mesh, bodies)
     call name_bodies(model, bodies)
   end subroutine find_bodies
 
@@ -70,35 +70,25 @@ contains
   end subroutine number_body
 
 
-  !> Computes boxes, elements, volumes and masses.
-  subroutine measure_bodies(model, step, bodies)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: step                    !< whose materials count: index into model%steps
+  !> Computes the boxes and counts the elements.
+  subroutine measure_bodies(mesh, bodies)
+    type(mesh_type), intent(in) :: mesh
     type(bodies_type), intent(inout) :: bodies
-    real(DP) :: volume
-    integer :: i, e, m, status
+    integer :: i, e
     allocate (bodies%list(bodies%n))
-    do i = 1, model%mesh%n_nodes
+    do i = 1, mesh%n_nodes
       if (bodies%of_node(i) == 0) cycle
       associate (body => bodies%list(bodies%of_node(i)))
         if (body%node == 0) body%node = i
-        body%low = min(body%low, model%mesh%coordinates(:, i))
-        body%high = max(body%high, model%mesh%coordinates(:, i))
+        body%low = min(body%low, mesh%coordinates(:, i))
+        body%high = max(body%high, mesh%coordinates(:, i))
       end associate
     end do
-    do e = 1, model%mesh%n_elements
+    do e = 1, mesh%n_elements
       if (bodies%of_element(e) == 0) cycle
-      associate (body => bodies%list(bodies%of_element(e)), mesh => model%mesh)
+      associate (body => bodies%list(bodies%of_element(e)))
         if (body%n_elements == 0) body%element = e
         body%n_elements = body%n_elements + 1
-        associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
-            wall_ratios(mesh, e))
-        end associate
-        body%volume = body%volume + volume
-        if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section_value(e)
-        m = material_in_step(model, step, e)
-        if (m > 0) body%mass = body%mass + model%materials(m)%density * volume
       end associate
     end do
     do i = 1, bodies%n
@@ -108,6 +98,29 @@ contains
       end associate
     end do
   end subroutine measure_bodies
+
+
+  !> Computes the volumes and masses of the bodies.
+  subroutine weigh_bodies(model, step, bodies)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< whose materials count: index into model%steps
+    type(bodies_type), intent(inout) :: bodies     !< as found in this step
+    real(DP) :: volume
+    integer :: e, m, status
+    associate (mesh => model%mesh)
+      do e = 1, mesh%n_elements
+        if (bodies%of_element(e) == 0) cycle
+        associate (body => bodies%list(bodies%of_element(e)), nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
+            wall_ratios(mesh, e))
+          body%volume = body%volume + volume
+          if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section_value(e)
+          m = material_in_step(model, step, e)
+          if (m > 0) body%mass = body%mass + model%materials(m)%density * volume
+        end associate
+      end do
+    end associate
+  end subroutine weigh_bodies
 
 
   !> Names each body after the first element set of the deck that is exactly this body, if any.
