@@ -422,7 +422,11 @@ contains
     integer :: g, i, failed
     failed = huge(failed)
     call ensure_matrix(assembly, model%mesh)
-    assembly%stiffness%value = 0.0_DP
+    !$omp parallel do schedule(static) if (is_threading_useful(assembly))
+    do i = 1, size(assembly%stiffness%value)
+      assembly%stiffness%value(i) = 0.0_DP
+    end do
+    !$omp end parallel do
     call reset_element_skew(assembly%skew, assembly%stiffness, has_unsymmetric_elements(model))
     !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
     !$omp do schedule(dynamic)

@@ -307,38 +307,41 @@ contains
   subroutine build_pattern(assembly, n_nodes)
     type(assembly_type), intent(inout) :: assembly
     integer, intent(in) :: n_nodes
-    integer :: i, r, k, n, position
+    integer :: i, n
     associate (K_matrix => assembly%stiffness)
       K_matrix = sparse_type(n_rows=3 * n_nodes, n_columns=3 * n_nodes)
       allocate (K_matrix%first(3 * n_nodes + 1))
       n = 9 * size(assembly%graph_node) - 3 * n_nodes
       allocate (K_matrix%column(n), K_matrix%value(n))
-      position = 1
+      !$omp parallel do schedule(static)
       do i = 1, n_nodes
-        do r = 1, 3
-          K_matrix%first(3 * (i - 1) + r) = position
-          do k = assembly%graph_first(i), assembly%graph_first(i + 1) - 1
-            call append_block_row(3 * (assembly%graph_node(k) - 1), merge(r, 1, k == assembly%graph_first(i)))
+        call list_node_rows(assembly, i)
+      end do
+      !$omp end parallel do
+      K_matrix%first(3 * n_nodes + 1) = n + 1
+    end associate
+    assembly%stiffness%n_alike = alike_rows(assembly%stiffness)
+  end subroutine build_pattern
+
+
+  !> The three rows of a node: whole blocks of its neighbours, and of its own block those columns from the diagonal on.
+  pure subroutine list_node_rows(assembly, i)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: i                       !< node
+    integer :: r, s, k, position
+    associate (graph_first => assembly%graph_first, K_matrix => assembly%stiffness)
+      position = 9 * (graph_first(i) - 1) - 3 * (i - 1) + 1
+      do r = 1, 3
+        K_matrix%first(3 * (i - 1) + r) = position
+        do k = graph_first(i), graph_first(i + 1) - 1
+          do s = merge(r, 1, k == graph_first(i)), 3
+            K_matrix%column(position) = 3 * (assembly%graph_node(k) - 1) + s
+            position = position + 1
           end do
         end do
       end do
-      K_matrix%first(3 * n_nodes + 1) = position
     end associate
-    assembly%stiffness%n_alike = alike_rows(assembly%stiffness)
-
-  contains
-
-    !> Three columns of a block, or those from the diagonal on.
-    subroutine append_block_row(before, from)
-      integer, intent(in) :: before, from
-      integer :: s
-      do s = from, 3
-        assembly%stiffness%column(position) = before + s
-        position = position + 1
-      end do
-    end subroutine append_block_row
-
-  end subroutine build_pattern
+  end subroutine list_node_rows
 
 
   !> The position of the block of each pair a <= b of an element's nodes, so that scattering needs no search; of a divided matrix
@@ -355,6 +358,7 @@ contains
       assembly%pair_first(e + 1) = assembly%pair_first(e) + n * (n + 1) / 2
     end do
     allocate (assembly%pair_offset(assembly%pair_first(mesh%n_elements + 1) - 1))
+    !$omp parallel do schedule(static) private(n, nodes, k, a, b)
     do e = 1, mesh%n_elements
       if (.not. is_in_matrix(assembly, e)) cycle
       call element_nodes(mesh, e, n, nodes)
@@ -366,7 +370,7 @@ contains
         end do
       end do
     end do
-
+    !$omp end parallel do
   end subroutine locate_pairs
 
 

@@ -8,19 +8,12 @@ module amontons_contact_operators
   use amontons_errors, only: error_type
   use amontons_containers, only: sort_integers
   use amontons_tensor, only: IDENTITY
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, sparse_product, sparse_sum, upper_triangle
+  use amontons_sparse, only: sparse_type, triplets_type, sparse_from_triplets, multiply, sparse_product, sparse_sum, upper_triangle
   use amontons_woodbury_interface, only: contact_springs_type
   use amontons_contact_linearization, only: contact_tangent_type, has_spring
   implicit none
   private
   public :: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, factorise_spring_tangents
-
-  !> Matrix entries in order of arrival.
-  type :: triplets_type
-    integer :: n = 0
-    integer, allocatable :: row(:), column(:)
-    real(DP), allocatable :: value(:)
-  end type triplets_type
 
   integer, parameter :: BY_IMBALANCE = 1, BY_DISPLACEMENT = 2, BY_SPRING = 3     !< what forces change with: Rhat, u, springs
 

@@ -27,6 +27,7 @@ module amontons_krylov
 
   real(DP), parameter :: MAX_CYCLE_REDUCTION = 0.99_DP     !< a cycle that reduces the residual by less has stagnated
 
+  integer, parameter :: SUM_LENGTH = 65536             !< of the parts of a scalar product; threads share longer vectors
   real(DP), parameter :: UPDATE_RATIO = 1.0e-4_DP    !< fall of the residual after which conjugate gradients compute it anew [-]
 
   real(DP), parameter :: SMALL_DRIFT = 0.1_DP        !< drift over the residual of the recurrence: up to it the next iterations
@@ -373,8 +374,7 @@ contains
         report%status = KRYLOV_CONVERGED
         return
       end if
-      p = z + (rho - inner(operator, r_old, z)) / rho_old * p
-      r_old = r
+      call renew_direction(z, (rho - inner(operator, r_old, z)) / rho_old, p)
       call operator%apply(p, a_p)
       energy = inner(operator, p, a_p)
       if (.not. (ieee_is_finite(rho) .and. ieee_is_finite(energy))) then
@@ -384,8 +384,7 @@ contains
       end if
       if (report%status /= KRYLOV_MAX_ITERATIONS) exit
       alpha = rho / energy
-      dx = dx + alpha * p
-      r = r - alpha * a_p
+      call step_along(p, a_p, alpha, dx, r, r_old)
       rho_old = rho
       size_of_r = length_of(operator, r)
       largest = max(largest, size_of_r)
@@ -393,6 +392,37 @@ contains
     call update_residual(operator, b, dx, x, r, drift)
     if (length_of(operator, r) <= target_residual) report%status = KRYLOV_CONVERGED
   end subroutine run_cg_iterations
+
+
+  !> p = z + beta p.
+  subroutine renew_direction(z, beta, p)
+    real(DP), intent(in) :: z(:)                            !< (n)
+    real(DP), intent(in) :: beta
+    real(DP), intent(inout) :: p(:)                         !< (n)
+    integer :: i
+    !$omp parallel do schedule(static) if (size(p) > SUM_LENGTH)
+    do i = 1, size(p)
+      p(i) = z(i) + beta * p(i)
+    end do
+    !$omp end parallel do
+  end subroutine renew_direction
+
+
+  !> A step of length alpha along p: its change of x, and the residual before and after it.
+  subroutine step_along(p, a_p, alpha, dx, r, r_old)
+    real(DP), intent(in) :: p(:), a_p(:)                    !< (n) p and A p
+    real(DP), intent(in) :: alpha
+    real(DP), intent(inout) :: dx(:), r(:)                  !< (n)
+    real(DP), intent(out) :: r_old(:)                       !< (n)
+    integer :: i
+    !$omp parallel do schedule(static) if (size(p) > SUM_LENGTH)
+    do i = 1, size(p)
+      dx(i) = dx(i) + alpha * p(i)
+      r_old(i) = r(i)
+      r(i) = r(i) - alpha * a_p(i)
+    end do
+    !$omp end parallel do
+  end subroutine step_along
 
 
   !> The change of x in the subspace of the preconditioner, and the residual after it.
@@ -479,8 +509,26 @@ contains
   end function length_of
 
 
+  !> The scalar product: the sum, in their order, of those of parts of a fixed length. So it does not depend on the number of
+  !! threads, which share the parts.
+  function dot(x, y) result(product)
+    real(DP), intent(in) :: x(:), y(:)                      !< (n)
+    real(DP) :: product
+    real(DP) :: part((size(x) + SUM_LENGTH - 1) / SUM_LENGTH)
+    integer :: k, low, high
+    !$omp parallel do schedule(static) private(low, high) if (size(part) > 1)
+    do k = 1, size(part)
+      low = (k - 1) * SUM_LENGTH + 1
+      high = min(k * SUM_LENGTH, size(x))
+      part(k) = dot_in_four(x(low:high), y(low:high))
+    end do
+    !$omp end parallel do
+    product = sum(part)
+  end function dot
+
+
   !> The scalar product in four interleaved sums: the order is fixed, and additions do not wait for each other.
-  pure function dot(x, y) result(product)
+  pure function dot_in_four(x, y) result(product)
     real(DP), intent(in) :: x(:), y(:)                      !< (n)
     real(DP) :: product
     real(DP) :: part(4)
@@ -494,7 +542,7 @@ contains
     do k = n + 1, size(x)
       product = product + x(k) * y(k)
     end do
-  end function dot
+  end function dot_in_four
 
 
   !> y = A x.

@@ -11,8 +11,9 @@ module amontons_sparse
 !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
-  public :: sparse_type, entry_position, set_too_large
-  public :: sparse_from_triplets, sparse_transpose, full_from_upper, upper_triangle, rows_of, sparse_product, sparse_sum
+  public :: sparse_type, triplets_type, entry_position, set_too_large
+  public :: append_triplets, reserve_triplets, sparse_from_triplets
+  public :: sparse_transpose, full_from_upper, upper_triangle, rows_of, sparse_product, sparse_sum
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: alike_rows, is_same_pattern
 
@@ -28,6 +29,13 @@ module amontons_sparse
     integer(I8), allocatable :: n_alike(:)     !< (n_rows) of an upper triangle, of alike_rows: 3 of a row whose columns
                                                !! behind the diagonal are those of the next two rows, too; 2 and 1 of these; else 1
   end type sparse_type
+
+  !> Entries of a sparse matrix in any order; those of one place are added.
+  type :: triplets_type
+    integer :: n = 0
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+  end type triplets_type
 
 contains
 
@@ -51,6 +59,39 @@ contains
     matrix = sparse_transpose(by_columns)
     call sum_duplicates(matrix)
   end subroutine sparse_from_triplets
+
+
+  !> Appends the triplets of another list, which is then empty.
+  pure subroutine append_triplets(triplets, other)
+    type(triplets_type), intent(inout) :: triplets, other
+    integer :: n
+    n = triplets%n + other%n
+    if (n > size(triplets%row)) call reserve_triplets(triplets, n)
+    triplets%row(triplets%n + 1:n) = other%row(:other%n)
+    triplets%column(triplets%n + 1:n) = other%column(:other%n)
+    triplets%value(triplets%n + 1:n) = other%value(:other%n)
+    triplets%n = n
+    deallocate (other%row, other%column, other%value)
+    other%n = 0
+  end subroutine append_triplets
+
+
+  !> Makes the capacity of a list larger.
+  pure subroutine reserve_triplets(triplets, capacity)
+    type(triplets_type), intent(inout) :: triplets
+    integer, intent(in) :: capacity                      !< at least the number of triplets
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    allocate (row(capacity), column(capacity), value(capacity))
+    associate (n => triplets%n)
+      row(:n) = triplets%row(:n)
+      column(:n) = triplets%column(:n)
+      value(:n) = triplets%value(:n)
+    end associate
+    call move_alloc(row, triplets%row)
+    call move_alloc(column, triplets%column)
+    call move_alloc(value, triplets%value)
+  end subroutine reserve_triplets
 
 
   !> Sorts triplets into rows, stable.
@@ -359,7 +400,7 @@ contains
     real(DP), intent(in) :: x(:)               !< (n)
     real(DP), intent(out) :: y(:)              !< (n)
     real(DP), allocatable :: part(:, :)
-    integer :: n_parts, t
+    integer :: n_parts, t, i
     integer, allocatable :: start(:)
     n_parts = 1
 !$  if (size(matrix%column) > MIN_THREADED_ENTRIES) n_parts = omp_get_max_threads()
@@ -378,9 +419,13 @@ contains
       end if
     end do
     !$omp end parallel do
-    do t = 2, n_parts
-      y(start(t):) = y(start(t):) + part(start(t):, t)   ! the triangle is upper: rows before start(t) are zero
+    !$omp parallel do schedule(static) num_threads(n_parts) private(t)
+    do i = start(2), matrix%n_rows
+      do t = 2, n_parts
+        if (i >= start(t)) y(i) = y(i) + part(i, t)      ! the triangle is upper: rows before start(t) are zero
+      end do
     end do
+    !$omp end parallel do
   end subroutine multiply_symmetric
 
 

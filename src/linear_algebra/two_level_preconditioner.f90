@@ -22,8 +22,8 @@ module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP, I64
   use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, is_same_pattern, multiply, multiply_transpose, &
-    multiply_symmetric
+  use amontons_sparse, only: sparse_type, triplets_type, sparse_from_triplets, append_triplets, reserve_triplets, &
+    is_same_pattern, multiply, multiply_transpose, multiply_symmetric
   use amontons_midside_interpolation, only: build_midside_interpolation, project_to_corners
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
   use amontons_point_partition, only: partition_points
@@ -339,33 +339,67 @@ contains
 
 
   !> Z'AZ, upper triangle. W = Z'BZ, where B is the upper triangle of A with half of its diagonal, gives Z'AZ = W + W'. W is
-  !! assembled by rows of blocks of 6 x 6, a block for each pair of parts that A couples.
+  !! assembled by rows of blocks of 6 x 6, a block for each pair of parts that A couples. The threads share the rows of blocks; the
+  !! entries are in the order of the rows with any number of threads.
   subroutine assemble_coarse_matrix(self, matrix, coarse, error)
     type(two_level_preconditioner_type), intent(in) :: self
     type(sparse_type), intent(in) :: matrix
     type(sparse_type), intent(out) :: coarse
     type(error_type), allocatable, intent(out) :: error
-    integer :: block_of(self%n_parts), touched(self%n_parts)
-    integer, allocatable :: first(:), members(:), row(:), column(:)
-    real(DP), allocatable :: value(:), block_row(:, :, :)
-    integer :: a, k, n_touched, n_triplets
+    type(triplets_type), allocatable :: share(:)
+    integer, allocatable :: first(:), members(:)
+    integer :: n_shares, t
     call list_groups(self%part, self%n_parts, first, members)
-    allocate (row(0), column(0), value(0), block_row(6, 6, 64))
-    block_of = 0
-    n_triplets = 0
-    do a = 1, self%n_parts
+    n_shares = 1
+!$  if (allocated(self%place)) n_shares = omp_get_max_threads()
+    allocate (share(n_shares))
+    !$omp parallel do schedule(static, 1) num_threads(n_shares)
+    do t = 1, n_shares
+      call assemble_block_rows(self, matrix, first, members, share_end(t - 1) + 1, share_end(t), share(t))
+    end do
+    !$omp end parallel do
+    do t = 2, n_shares
+      call append_triplets(share(1), share(t))
+    end do
+    associate (all => share(1))
+      call sparse_from_triplets(6 * self%n_parts, 6 * self%n_parts, all%row(:all%n), all%column(:all%n), all%value(:all%n), &
+        coarse, error)
+    end associate
+
+  contains
+
+    !> The last part of a share.
+    pure integer function share_end(k)
+      integer, intent(in) :: k
+      share_end = int(int(k, I64) * int(self%n_parts, I64) / int(n_shares, I64))
+    end function share_end
+
+  end subroutine assemble_coarse_matrix
+
+
+  !> The rows of blocks of some parts.
+  subroutine assemble_block_rows(self, matrix, first, members, low, high, triplets)
+    type(two_level_preconditioner_type), intent(in) :: self
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: first(:), members(:)        !< unknowns of each part
+    integer, intent(in) :: low, high                   !< parts
+    type(triplets_type), intent(out) :: triplets
+    integer, allocatable :: block_of(:), touched(:)
+    real(DP), allocatable :: block_row(:, :, :)
+    integer :: a, k, n_touched
+    allocate (triplets%row(0), triplets%column(0), triplets%value(0), block_row(6, 6, 64), touched(self%n_parts))
+    allocate (block_of(self%n_parts), source=0)
+    do a = low, high
       n_touched = 0
       do k = first(a), first(a + 1) - 1
         call add_row_to_blocks(self, matrix, members(k), block_of, touched, n_touched, block_row)
       end do
       do k = 1, n_touched
-        call append_block(a, touched(k), block_row(:, :, k), row, column, value, n_triplets)
+        call append_block(a, touched(k), block_row(:, :, k), triplets)
       end do
       block_of(touched(:n_touched)) = 0
     end do
-    call sparse_from_triplets(6 * self%n_parts, 6 * self%n_parts, row(:n_triplets), column(:n_triplets), value(:n_triplets), &
-      coarse, error)
-  end subroutine assemble_coarse_matrix
+  end subroutine assemble_block_rows
 
 
   !> Adds the contribution of row i of B to the blocks of its part: its motions times (B Z)_i.
@@ -414,28 +448,24 @@ contains
 
 
   !> Appends block (a, b) of W as triplets of the upper triangle of W + W'.
-  pure subroutine append_block(a, b, block, row, column, value, n)
+  pure subroutine append_block(a, b, block, triplets)
     integer, intent(in) :: a, b                        !< parts
     real(DP), intent(in) :: block(6, 6)
-    integer, allocatable, intent(inout) :: row(:), column(:)
-    real(DP), allocatable, intent(inout) :: value(:)
-    integer, intent(inout) :: n                        !< triplets
+    type(triplets_type), intent(inout) :: triplets
     integer :: l, m
-    if (n + 36 > size(row)) then
-      row = [row, spread(0, 1, n + 360)]
-      column = [column, spread(0, 1, n + 360)]
-      value = [value, spread(0.0_DP, 1, n + 360)]
-    end if
-    do m = 1, 6
-      do l = 1, 6
-        if (a == b .and. l > m) cycle
-        n = n + 1
-        row(n) = 6 * (min(a, b) - 1) + merge(l, m, a <= b)
-        column(n) = 6 * (max(a, b) - 1) + merge(m, l, a <= b)
-        value(n) = block(l, m)
-        if (a == b) value(n) = value(n) + block(m, l)
+    if (triplets%n + 36 > size(triplets%row)) call reserve_triplets(triplets, 2 * triplets%n + 360)
+    associate (n => triplets%n)
+      do m = 1, 6
+        do l = 1, 6
+          if (a == b .and. l > m) cycle
+          n = n + 1
+          triplets%row(n) = 6 * (min(a, b) - 1) + merge(l, m, a <= b)
+          triplets%column(n) = 6 * (max(a, b) - 1) + merge(m, l, a <= b)
+          triplets%value(n) = block(l, m)
+          if (a == b) triplets%value(n) = triplets%value(n) + block(m, l)
+        end do
       end do
-    end do
+    end associate
   end subroutine append_block
 
 
@@ -458,11 +488,16 @@ contains
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), intent(out) :: z(:)                      !< (n)
     real(DP), allocatable :: product(:)
+    integer :: i
     call apply_first_level(self, matrix, r, z)
     if (.not. self%has_coarse_space) return
     allocate (product(size(r)))
     call multiply_symmetric(matrix, z, product)
-    product = r - product
+    !$omp parallel do schedule(static) num_threads(self%incomplete%n_domains)
+    do i = 1, size(r)
+      product(i) = r(i) - product(i)
+    end do
+    !$omp end parallel do
     call add_second_level(self, product, z)
   end subroutine apply_deflated
 
