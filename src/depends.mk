@@ -67,6 +67,7 @@ uses_element_integration_points = kinds tensor element_kinds materials user_mate
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
 # elements
+uses_beam_cross_sections = kinds dense
 uses_beam_rules = kinds tensor element_kinds
 uses_shape_functions = kinds tensor element_kinds beam_rules
 uses_truss_spring_mass = kinds element_kinds materials elasticity material_point element_integration_points zero_stress_condition shape_functions
@@ -82,6 +83,7 @@ uses_section_beams = kinds tensor user_elements
 
 # expansion
 uses_directors = kinds tensor element_kinds mesh structural_data shape_functions
+uses_equivalent_layers = kinds tensor dense
 uses_expanded_elements = kinds element_kinds mesh structural_data
 uses_knots = kinds tensor loads mesh mpc_data structural_data model
 uses_expansion = model directors expanded_elements knots
@@ -99,8 +101,9 @@ uses_deck_mesh = kinds text containers element_kinds materials mesh user_element
 uses_deck_property_tables = kinds text materials model cards card_schema deck_reader
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables
 uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
-uses_deck_section_beams = kinds text element_kinds materials user_elements model section_beams cards card_schema element_drafts deck_reader deck_user_elements
-uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams deck_section_beams
+uses_deck_section_beams = kinds text element_kinds materials user_elements model beam_cross_sections section_beams cards card_schema element_drafts deck_reader deck_user_elements deck_beams
+uses_deck_shell_stiffness = kinds text structural_data model equivalent_layers cards card_schema deck_reader deck_materials
+uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams deck_section_beams deck_shell_stiffness
 uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers element_kinds mesh deck_reader

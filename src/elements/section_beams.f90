@@ -4,7 +4,8 @@
 !! Six deformations: elongation, twist, and the rotations of both ends against the line that joins their centroids. Bending is
 !! the exact solution between loaded ends, from the compliances of bending and shear, so that one element is right at its nodes:
 !! J. S. Przemieniecki, Theory of Matrix Structural Analysis, McGraw-Hill 1968, section 5.6; here with both planes of bending
-!! coupled by the product of inertia. Rotations are small. Theory: doc/theory/elements.md, section "Beams by their section".
+!! coupled by the product of inertia. A pull acts at the centroid, a shear force at the shear centre. Rotations are small. Theory:
+!! doc/theory/elements.md, section "Beams by their section".
 module amontons_section_beams
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
@@ -73,7 +74,7 @@ contains
     real(DP), intent(in) :: length                 !< [length]
     real(DP) :: B(6, 12), arm(3), moved(6, 3)
     integer :: k
-    moved = 0                                      ! deformations by the displacement of the second centroid
+    moved = 0                                      ! deformations by the displacement of the second end
     moved(1, :) = axes(:, 3)
     moved(3, :) = axes(:, 2) / length
     moved(4, :) = -axes(:, 1) / length
@@ -85,8 +86,8 @@ contains
     B(5:6, 10:12) = transpose(axes(:, :2))
     B(:, 1:3) = -moved
     B(:, 7:9) = moved
-    arm = matmul(axes(:, :2), section%centroid)
-    do k = 1, 6                                    ! the centroid moves by rotation x arm: row . (rotation x arm)
+    do k = 1, 6                                    ! that of centroid or shear centre by rotation x arm: row . (rotation x arm)
+      arm = matmul(axes(:, :2), merge(section%centroid, section%shear_center, k == 1))
       B(k, 4:6) = B(k, 4:6) - cross_product(arm, moved(k, :))
       B(k, 10:12) = B(k, 10:12) + cross_product(arm, moved(k, :))
     end do

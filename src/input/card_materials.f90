@@ -243,6 +243,23 @@ contains
       'second line names (default 1) in the abaqus dialect, of axis 1 in that of calculix. Without it direction 1 is the ' // &
       'projection of global x in the abaqus dialect; the calculix dialect keeps the global axes. COMPOSITE is for S6 and S8R ' // &
       'in the calculix dialect, without angles.')
+    call table%card('SHELL GENERAL SECTION', SCOPE_MODEL, 'Gives shells their material and thickness, or the stiffness of ' // &
+      'their section, for which three layers of solids are found.', data='with MATERIAL or COMPOSITE as SHELL SECTION; ' // &
+      'without both three lines of 8, 8 and 5 numbers: the upper triangle of the stiffness of membrane forces and moments ' // &
+      '11, 22, 12, column by column')
+    call table%option('ELSET', VALUE_NAME, 'The shells.', default='required')
+    call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='none')
+    call table%option('COMPOSITE', VALUE_NONE, 'Layers, as in SHELL SECTION.')
+    call table%option('ORIENTATION', VALUE_NAME, 'As in SHELL SECTION.')
+    call table%option('OFFSET', VALUE_TEXT, 'As in SHELL SECTION.', default='0')
+    call table%option('NODAL THICKNESS', VALUE_NONE, 'As in SHELL SECTION, with MATERIAL.')
+    call table%option('DENSITY', VALUE_REAL, 'Mass per area of a section by its stiffness, needed by gravity.', default='none')
+    call table%option('POISSON|THICKNESS MODULUS|CONTROLS|TEMPERATURE', VALUE_TEXT, 'The thickness is a solid one.', &
+      status=ENTRY_IGNORED)
+    call table%option('LAYUP', VALUE_TEXT, 'A name only.', status=ENTRY_IGNORED)
+    call table%option('ZERO|DEPENDENCIES|USER|VARIABLES|PROPERTIES|I PROPERTIES|BENDING ONLY|MEMBRANE ONLY|SMEAR ALL LAYERS|' // &
+      'STACK DIRECTION|SYMMETRIC|SHELL THICKNESS|UNSYMM', VALUE_TEXT, 'Give constant numbers, or each layer.', &
+      status=ENTRY_REJECTED)
     call table%card('MEMBRANE SECTION', SCOPE_MODEL, 'Gives membranes their material and thickness.', data='thickness')
     call table%option('ELSET', VALUE_NAME, 'The membranes.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
@@ -254,14 +271,16 @@ contains
     call table%card('BEAM SECTION', SCOPE_MODEL, 'Gives beams their material and cross-section; they are expanded into solids.', &
       data='RECT: dimensions along direction 1 and 2; CIRC: radius (calculix dialect: diameters along direction 1 and 2); ' // &
       'PIPE: outer radius, thickness; BOX: dimensions along direction 1 and 2, thickness of the walls at +1, +2, -1, -2; ' // &
-      'I: height of the node over the bottom, height, widths of both flanges, their thicknesses, that of the web; GENERAL ' // &
+      'I: height of the node over the bottom, height, widths of both flanges, their thicknesses, that of the web; ' // &
+      'L: lengths of the legs along direction 1 and 2, their thicknesses; HEX: radius of the outer corners, thickness; ' // &
+      'TRAPEZOID: width of the bottom, height, width of the top, height of the node over the bottom; ' // &
+      'ARBITRARY: number of walls, two coordinates of the first and of the second point, thickness, then in a line for each ' // &
+      'further wall its end and thickness; GENERAL ' // &
       '(calculix dialect, U1): area, I11, I12, I22, shear factor; ' // &
-      'second line: direction 1, default 0, 0, -1')
+      'next line: direction 1, default 0, 0, -1; a last line of numbers of integration points is passed over')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')
-    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX|I|GENERAL', default='required')
-    call table%reject_words('ARBITRARY|CHANNEL|ELBOW|HEX|L|T|TRAPEZOID|THICK PIPE|MESHED|NONLINEAR GENERAL', &
-      'The sections are RECT, CIRC, PIPE, BOX and I; or *BEAM GENERAL SECTION, SECTION=GENERAL with area and moments of inertia.')
+    call describe_beam_shapes(table)
     call table%option('OFFSET1|OFFSET2', VALUE_REAL, 'Place of the nodes over the dimension from the middle, along ' // &
       'direction 1 and 2.', default='0')
     call table%option('TEMPERATURE', VALUE_WORD, 'A node has one temperature, for all of its cross-section.', &
@@ -273,9 +292,7 @@ contains
       data='dimensions as in BEAM SECTION; GENERAL: area, I11, I12, I22, J; second line: direction 1; ' // &
       'third line: Young''s modulus, shear modulus, thermal expansion')
     call table%option('ELSET', VALUE_NAME, 'The beams.', default='required')
-    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed='RECT|CIRC|PIPE|BOX|I|GENERAL', default='required')
-    call table%reject_words('ARBITRARY|CHANNEL|HEX|L|T|TRAPEZOID|MESHED|NONLINEAR GENERAL', &
-      'The sections are RECT, CIRC, PIPE, BOX, I, and GENERAL with area and moments of inertia.')
+    call describe_beam_shapes(table)
     call table%option('MATERIAL', VALUE_NAME, 'A material in place of the third line, as in CalculiX.', default='none')
     call table%option('DENSITY', VALUE_REAL, 'Mass density, needed by gravity.', default='none')
     call table%option('ZERO', VALUE_REAL, 'Temperature from which the thermal expansion counts.', default='0')
@@ -290,13 +307,24 @@ contains
   end subroutine describe_structural_sections
 
 
+  !> The cross-sections of beams.
+  subroutine describe_beam_shapes(table)
+    type(card_table_type), intent(inout) :: table
+    call table%option('SECTION', VALUE_WORD, 'Cross-section.', allowed= &
+      'RECT|CIRC|PIPE|THICK PIPE|BOX|I|L|HEX|TRAPEZOID|ARBITRARY|GENERAL', default='required')
+    call table%reject_words('T|CHANNEL|ELBOW|MESHED|NONLINEAR GENERAL', 'A T is an I with one flange, the other with width ' // &
+      'and thickness 0; a channel is an ARBITRARY section of three walls; any other is *BEAM GENERAL SECTION, ' // &
+      'SECTION=GENERAL with area and moments of inertia.')
+  end subroutine describe_beam_shapes
+
+
   !> Local axes.
   subroutine describe_axes(table)
     type(card_table_type), intent(inout) :: table
     call table%card('ORIENTATION', SCOPE_MODEL, 'Local axes, of sections and *COUPLING.', data='RECTANGULAR: a point ' // &
       'on local x, a point of the local xy plane, six coordinates; CYLINDRICAL: two points of the axis, which is ' // &
       'local z, local x is radial; or the name of a distribution; second line: local axis to turn about, angle in ' // &
-      'degrees')
+      'degrees or the name of a distribution of angles')
     call table%option('NAME', VALUE_NAME, 'Name of the orientation.', default='required')
     call table%option('SYSTEM', VALUE_WORD, 'Kind of axes.', allowed='RECTANGULAR|CYLINDRICAL', default='RECTANGULAR')
     call table%reject_words('SPHERICAL|Z RECTANGULAR|USER', 'Use RECTANGULAR or CYLINDRICAL.')
@@ -304,12 +332,13 @@ contains
       default='COORDINATES')
     call table%reject_words('NODES|OFFSET TO NODES', 'Give coordinates.')
     call table%option('LOCAL DIRECTIONS', VALUE_TEXT, '', status=ENTRY_IGNORED)
-    call table%card('DISTRIBUTION', SCOPE_MODEL, 'Local axes element by element; ORIENTATION names it. In a part they ' // &
-      'move with its instances.', data= &
-      'first line: blank, six default coordinates; then element or element set, six coordinates')
+    call table%card('DISTRIBUTION', SCOPE_MODEL, 'Local axes or angles element by element; ORIENTATION names it. In a part ' // &
+      'they move with its instances.', data= &
+      'first line: blank, six default coordinates; then element or element set, six coordinates; of angles one angle in ' // &
+      'degrees in place of coordinates')
     call table%option('NAME', VALUE_NAME, 'Name of the distribution.', default='required')
     call table%option('LOCATION|TABLE', VALUE_TEXT, '', status=ENTRY_IGNORED)
-    call table%card('DISTRIBUTION TABLE', SCOPE_MODEL, 'DISTRIBUTION gives coordinates.', data='anything', &
+    call table%card('DISTRIBUTION TABLE', SCOPE_MODEL, 'DISTRIBUTION gives coordinates or angles.', data='anything', &
       status=ENTRY_IGNORED)
   end subroutine describe_axes
 

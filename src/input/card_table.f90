@@ -367,10 +367,10 @@ contains
       'rotation of the nodes is the first displacement of the last node, whose coordinates are the axis), DIST (a rope: ' // &
       'node, node, node, other, other, other, last node, whose first coordinate is the largest distance).', &
       data='kind, nodes or node sets; of a kind of two nodes also two sets of as many nodes, or a set and a node')
-    call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck.', status=ENTRY_REJECTED)
-    call table%add_dialect_note('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. PLANE, ' &
-      // &
-      'STRAIGHT, BEAM and DIST turn NLGEOM on for all steps under calculix.')
+    call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck; in place of a routine MPC use *EQUATION, ' // &
+      '*RIGID BODY, *COUPLING or *USER ELEMENT.', status=ENTRY_REJECTED)
+    call table%add_dialect_note('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. ' // &
+      'PLANE, STRAIGHT, BEAM and DIST turn NLGEOM on for all steps under calculix.')
 
     call table%card('RIGID BODY', SCOPE_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
       'freedom 4 to 6 are the rotation vector.')
@@ -868,8 +868,7 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
       'Use *EQUATION, or mesh the bodies together.')
-    call table%cards_with(ENTRY_REJECTED, 'SHELL GENERAL SECTION|' // &
-      'COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
+    call table%cards_with(ENTRY_REJECTED, 'COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
       'REBAR|REBAR LAYER|' // &
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
       'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &

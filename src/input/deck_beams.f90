@@ -5,7 +5,7 @@ module amontons_deck_beams
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_materials, only: add_section_material
-  use amontons_deck_reader, only: reader_type, report_error, read_real, check_n_fields, is_card
+  use amontons_deck_reader, only: reader_type, report_error, read_real, read_integer, check_n_fields, check_no_data, is_card
   use amontons_mesh, only: mesh_type, append_nodes
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, new_equation, gather_constraints, DIALECT_CALCULIX
@@ -15,7 +15,8 @@ module amontons_deck_beams
   use amontons_element_kinds, only: FAMILY_BEAM, KIND_B31, KIND_B31R, KIND_B32, KIND_SAX1, KIND_SAX2
   implicit none
   private
-  public :: read_beam_section, read_general_material, section_offset, add_middle_nodes, mark_plane_beams, hold_plane_beams
+  public :: read_beam_section, pass_integration_points, read_general_material, section_offset, add_middle_nodes, &
+    mark_plane_beams, hold_plane_beams
 
 contains
 
@@ -47,6 +48,26 @@ contains
     end do
     if (is_ok .and. .not. norm2(section%direction) > 0) call report_error(reader, row%line, 'The direction must not be zero.')
   end subroutine read_beam_section
+
+
+  !> The third line of BEAM SECTION, which CalculiX has not: numbers of integration points, which are those of the solids here.
+  subroutine pass_integration_points(reader, row)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(inout) :: row    !< in: that of the direction
+    integer :: i, n
+    logical :: is_ok
+    if (.not. next_row(reader%cards, row)) return
+    if (reader%dialect == DIALECT_CALCULIX) then
+      call check_no_data(reader, row)
+      return
+    end if
+    is_ok = .true.
+    call check_n_fields(reader, row, 3)
+    do i = 1, row%n
+      call read_integer(reader, row, i, 'number of integration points', n, is_ok, 1)
+    end do
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
+  end subroutine pass_integration_points
 
 
   !> The third line of BEAM GENERAL SECTION: Young's modulus, shear modulus and thermal expansion of the section.
@@ -104,7 +125,7 @@ contains
     section%shape = SECTION_RECT
     n = 2
     if (word == 'CIRC') section%shape = SECTION_CIRC
-    if (word == 'PIPE') section%shape = SECTION_PIPE
+    if (word == 'PIPE' .or. word == 'THICKPIPE') section%shape = SECTION_PIPE
     if (word == 'BOX') section%shape = SECTION_BOX
     if (word == 'BOX') n = 6
     if (word == 'CIRC' .and. reader%dialect /= DIALECT_CALCULIX) n = 1

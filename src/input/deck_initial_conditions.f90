@@ -43,10 +43,10 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(orientation_type) :: orientation
-    integer, allocatable :: distribution(:)      !< (orientations) its DISTRIBUTION card, 0: none
-    integer :: c, k
+    integer, allocatable :: distribution(:, :)   !< (2, orientations) its DISTRIBUTION cards of axes and of angles, 0: none
+    integer :: c, k, cards(2)
     logical :: is_new
-    allocate (model%orientations(0), distribution(0))
+    allocate (model%orientations(0), distribution(2, 0))
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'ORIENTATION')) cycle
       call open_card(reader, c, parameters, row)
@@ -62,8 +62,8 @@ contains
           ''' is defined twice.')
         cycle
       end if
-      call read_axes(reader, c, row, orientation, k)
-      distribution = [distribution, k]
+      call read_axes(reader, c, row, orientation, cards)
+      distribution = reshape([distribution, cards], [2, k])
       model%orientations = [model%orientations, orientation]
     end do
     allocate (model%element_orientation(model%mesh%n_elements), source=0)
@@ -81,7 +81,7 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(data_row_type), intent(inout) :: row
     type(orientation_type), intent(inout) :: orientation
-    integer, intent(out) :: distribution         !< DISTRIBUTION card that it names; 0: none
+    integer, intent(out) :: distribution(2)      !< DISTRIBUTION cards that it names, of axes and of angles; 0: none
     real(DP) :: value
     integer :: status
     logical :: is_ok
@@ -93,20 +93,34 @@ contains
     end if
     call field_real(reader%cards, row, 1, value, status)
     if (status /= NUMBER_OK .and. status /= NUMBER_EMPTY) then
-      distribution = find_distribution(reader, field_text(reader%cards, row, 1))
-      if (distribution == 0) call report_error(reader, row%line, 'There is no distribution ''' // &
-        field_text(reader%cards, row, 1) // '''.')
+      call name_distribution(1)
     else
       call read_points(reader, row, 1, orientation, is_ok)
     end if
     if (.not. next_row(reader%cards, row)) return
     call check_n_fields(reader, row, 2)
     call read_integer(reader, row, 1, 'local axis', orientation%rotation_axis, is_ok, 1)
-    call read_real(reader, row, 2, 'angle', orientation%rotation_angle, is_ok, 0.0_DP)
+    call field_real(reader%cards, row, 2, value, status)
+    if (status /= NUMBER_OK .and. status /= NUMBER_EMPTY) then
+      call name_distribution(2)
+    else
+      call read_real(reader, row, 2, 'angle', orientation%rotation_angle, is_ok, 0.0_DP)
+    end if
     orientation%rotation_angle = orientation%rotation_angle * PI / 180
     if (orientation%rotation_axis < 1 .or. orientation%rotation_axis > 3) call report_error(reader, row%line, &
       'The local axis to turn about must be 1, 2 or 3.')
     if (next_row(reader%cards, row)) call check_no_data(reader, row)
+
+  contains
+
+    !> Finds the distribution that a field of the row names: of axes in the first line, of angles in the second.
+    subroutine name_distribution(i)
+      integer, intent(in) :: i                   !< field and kind: 1 axes, 2 angles
+      distribution(i) = find_distribution(reader, field_text(reader%cards, row, i))
+      if (distribution(i) == 0) call report_error(reader, row%line, 'There is no distribution ''' // &
+        field_text(reader%cards, row, i) // '''.')
+    end subroutine name_distribution
+
   end subroutine read_axes
 
 
@@ -158,7 +172,7 @@ contains
   subroutine read_section_axes(reader, names, distribution, model)
     type(reader_type), intent(inout) :: reader
     type(name_table_type), intent(in) :: names
-    integer, intent(in) :: distribution(:)
+    integer, intent(in) :: distribution(:, :)    !< (2, orientations)
     type(model_type), intent(inout) :: model
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
@@ -174,7 +188,7 @@ contains
       if (k == 0 .or. set == 0) cycle
       associate (members => model%mesh%element_sets(set)%members)
         model%element_orientation(members) = k
-        if (distribution(k) > 0) call read_distribution(reader, distribution(k), members, model)
+        call read_distributions(reader, distribution(:, k), members, model)
       end associate
     end do
   end subroutine read_section_axes
@@ -185,7 +199,7 @@ contains
   subroutine set_shell_axes(reader, names, distribution, model)
     type(reader_type), intent(inout) :: reader
     type(name_table_type), intent(in) :: names
-    integer, intent(in) :: distribution(:)
+    integer, intent(in) :: distribution(:, :)    !< (2, orientations)
     type(model_type), intent(inout) :: model
     type(orientation_type) :: orientation
     integer, allocatable :: members(:)
@@ -204,7 +218,7 @@ contains
           model%orientations = [model%orientations, orientation]
           model%element_orientation(members) = size(model%orientations)
           if (k == 0) cycle
-          if (distribution(k) > 0) call read_distribution(reader, distribution(k), members, model)
+          call read_distributions(reader, distribution(:, k), members, model)
         end do
       end associate
     end do
@@ -215,7 +229,7 @@ contains
   subroutine set_membrane_axes(reader, names, distribution, model)
     type(reader_type), intent(inout) :: reader
     type(name_table_type), intent(in) :: names
-    integer, intent(in) :: distribution(:)
+    integer, intent(in) :: distribution(:, :)    !< (2, orientations)
     type(model_type), intent(inout) :: model
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
@@ -242,7 +256,7 @@ contains
       associate (members => model%mesh%element_sets(set)%members)
         model%element_orientation(members) = size(model%orientations)
         if (k == 0) cycle
-        if (distribution(k) > 0) call read_distribution(reader, distribution(k), members, model)
+        call read_distributions(reader, distribution(:, k), members, model)
       end associate
     end do
   end subroutine set_membrane_axes
@@ -306,38 +320,90 @@ contains
   end subroutine find_layer_axes
 
 
-  !> The lines of a distribution for the elements of a section.
-  subroutine read_distribution(reader, c, members, model)
+  !> The distributions of an orientation for the elements of a section: axes, then angles about one of them.
+  subroutine read_distributions(reader, cards, members, model)
     type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< DISTRIBUTION card
+    integer, intent(in) :: cards(2)              !< DISTRIBUTION cards of axes and of angles; 0: none
     integer, intent(in) :: members(:)            !< elements of the section
     type(model_type), intent(inout) :: model
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(orientation_type) :: orientation
-    integer, allocatable :: elements(:)
+    type(orientation_type), allocatable :: orientations(:)   ! and capacity for more
+    integer, allocatable :: elements(:), base(:), last_row(:), turned(:)
     logical :: is_inside(model%mesh%n_elements), is_ok
-    integer :: i
-    if (size(members) == 0) return
+    integer :: kind, i, n, b, n_rows
+    if (size(members) == 0 .or. all(cards == 0)) return
     is_inside = .false.
     is_inside(members) = .true.
-    orientation = model%orientations(model%element_orientation(members(1)))
-    call open_card(reader, c, parameters, row)
-    do while (next_row(reader%cards, row))
-      is_ok = .true.
-      call read_points(reader, row, 2, orientation, is_ok)
-      if (field_text(reader%cards, row, 1) == '') then
-        elements = members
-      else
-        call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
-      end if
-      if (.not. is_ok) cycle
-      model%orientations = [model%orientations, orientation]
-      do i = 1, size(elements)
-        if (is_inside(elements(i))) model%element_orientation(elements(i)) = size(model%orientations)
+    n = size(model%orientations)
+    orientations = model%orientations
+    orientation = orientations(model%element_orientation(members(1)))   ! its system
+    do kind = 1, 2
+      if (cards(kind) == 0) cycle
+      base = model%element_orientation           ! orientations before the lines of this card
+      allocate (last_row(n), turned(n), source=0)
+      call open_card(reader, cards(kind), parameters, row)
+      n_rows = 0
+      do while (next_row(reader%cards, row))
+        n_rows = n_rows + 1
+        call read_distribution_row(reader, row, kind, orientation, is_ok)
+        if (field_text(reader%cards, row, 1) == '') then
+          elements = members
+        else
+          call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
+        end if
+        if (.not. is_ok) cycle
+        do i = 1, size(elements)
+          if (.not. is_inside(elements(i))) cycle
+          b = base(elements(i))
+          if (last_row(b) /= n_rows) call add_orientation(b)
+          model%element_orientation(elements(i)) = turned(b)
+        end do
       end do
+      deallocate (last_row, turned)
     end do
-  end subroutine read_distribution
+    model%orientations = orientations(:n)
+
+  contains
+
+    !> Adds the orientation of the row, with all else as in another one.
+    subroutine add_orientation(old)
+      integer, intent(in) :: old
+      type(orientation_type), allocatable :: more(:)
+      if (n == size(orientations)) then
+        allocate (more(2 * n + 8))
+        more(:n) = orientations
+        call move_alloc(more, orientations)
+      end if
+      n = n + 1
+      orientations(n) = orientations(old)
+      if (kind == 1) orientations(n)%a = orientation%a
+      if (kind == 1) orientations(n)%b = orientation%b
+      if (kind == 2) orientations(n)%rotation_angle = orientation%rotation_angle
+      last_row(old) = n_rows
+      turned(old) = n
+    end subroutine add_orientation
+
+  end subroutine read_distributions
+
+
+  !> A row of a distribution behind its first field: six coordinates, or an angle in degrees.
+  subroutine read_distribution_row(reader, row, kind, orientation, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: kind                  !< 1: axes, 2: angles
+    type(orientation_type), intent(inout) :: orientation
+    logical, intent(out) :: is_ok
+    is_ok = .true.
+    if (kind == 1) then
+      call read_points(reader, row, 2, orientation, is_ok)
+      return
+    end if
+    call check_n_fields(reader, row, 2)
+    call read_real(reader, row, 2, 'angle', orientation%rotation_angle, is_ok)
+    orientation%rotation_angle = orientation%rotation_angle * PI / 180
+  end subroutine read_distribution_row
 
 
   !> INITIAL CONDITIONS.

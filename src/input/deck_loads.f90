@@ -655,7 +655,7 @@ contains
       associate (beam => model%user_elements%elements(i))
         if (.not. (model%user_elements%kinds(beam%kind)%is_beam .and. is_loaded(beam%element))) cycle
         call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(beam%element)) // ' is a beam ' // &
-          'by its section (SECTION=GENERAL, I, BOX), on which gravity, rotation and forces per volume do not act: put its ' // &
+          'by its section, on which gravity, rotation and forces per volume do not act: put its ' // &
           'weight on its nodes by *CLOAD, and name the other elements here.')
         return
       end associate

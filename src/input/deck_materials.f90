@@ -16,7 +16,7 @@ module amontons_deck_materials
   use amontons_text, only: to_text, parse_integer, parse_real, NUMBER_OK
   implicit none
   private
-  public :: read_materials, add_section_material, finalize_materials, read_plastic
+  public :: read_materials, add_section_material, add_anisotropic_material, finalize_materials, read_plastic
 
   integer, parameter :: MAX_STATEV = 100000
 
@@ -168,6 +168,25 @@ contains
       if (abs(expansion(1)) > 0) material%expansion = property_table_type([0.0_DP], reshape(expansion(:1), [1, 1]))
     end associate
   end subroutine add_section_material
+
+
+  !> Adds a material that a section gives: anisotropic and elastic.
+  subroutine add_anisotropic_material(reader, c, model, elastic, density)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card of the section
+    type(model_type), intent(inout) :: model
+    real(DP), intent(in) :: elastic(21)          !< as in *ELASTIC, TYPE=ANISO [stress]
+    real(DP), intent(in) :: density              !< 0: none [mass/volume]
+    call add_material(model, 'of the section in line ' // to_text(reader%cards%line_number(reader%cards%cards(c)%line)), &
+      reader%dialect)
+    associate (material => model%materials(size(model%materials)))
+      material%has_elastic = .true.
+      material%elastic_kind = ELASTIC_ANISOTROPIC
+      material%elastic = property_table_type([0.0_DP], reshape(elastic, [21, 1]))
+      material%has_density = density > 0
+      material%density = density
+    end associate
+  end subroutine add_anisotropic_material
 
 
   !> Reports a material without elasticity, or with incompatible properties.

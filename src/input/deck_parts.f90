@@ -536,7 +536,7 @@ contains
           return
         end if
         text = line_text(cards, row%line)
-      case ('SHELLSECTION')                      ! the fourth field of a layer is an angle or the name of an orientation
+      case ('SHELLSECTION', 'SHELLGENERALSECTION')   ! the fourth field of a layer is an angle or the name of an orientation
         text = first_row(cards, work, row, scope, 0, merge(4, 0, has_name(cards, row, 4)))
       case ('NODALTHICKNESS')
         text = first_row(cards, work, row, scope, scope%node_shift, 1)
@@ -548,9 +548,8 @@ contains
       case ('ORIENTATION', 'TRANSFORM')
         text = point_row(cards, row, scope, n == 1, name_key(parameter_value(cards, c, 'SYSTEM') // parameter_value(cards, c, &
           'TYPE')))
-        if (n == 1) then
-          if (has_own_distribution(cards, work, scope, field_text(cards, row, 1))) text = first_row(cards, work, row, scope, 0, 1)
-        end if
+        if (has_own_distribution(cards, work, scope, field_text(cards, row, min(n, 2)))) &   ! of axes, of angles
+          text = first_row(cards, work, row, scope, 0, min(n, 2))
       case ('DISTRIBUTION')
         text = distribution_row(cards, work, row, scope, system_of(cards, parameter_value(cards, c, 'NAME')))
       case ('DISTRIBUTIONTABLE', 'HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS', 'TRANSVERSESHEAR')   ! as it is
@@ -699,16 +698,15 @@ contains
     type(data_row_type), intent(in) :: row
     type(instance_type), intent(in) :: scope
     integer, intent(in) :: shift
-    integer, intent(in) :: every                 !< 0: no field, 1: the first, 3: the first, the fourth, ...; 4: the fourth
+    integer, intent(in) :: every                 !< 0: no field; 1, 2, 4: this one; 3: the first, the fourth, ...
     character(:), allocatable :: text
     integer :: i
     logical :: is_reference
     text = ''
     do i = 1, row%n
       if (i > 1) text = text // ', '
-      is_reference = every == 1 .and. i == 1
+      is_reference = every == i
       if (every == 3) is_reference = modulo(i, 3) == 1
-      if (every == 4) is_reference = i == 4
       if (is_reference) then
         text = text // qualified_reference(work, scope, field_text(cards, row, i), shift)
       else
@@ -824,7 +822,7 @@ contains
   end function system_of
 
 
-  !> A row of DISTRIBUTION: nothing, an element or a set, then two points of axes as ORIENTATION has them.
+  !> A row of DISTRIBUTION: nothing, an element or a set, then two points of axes as ORIENTATION has them, or an angle.
   function distribution_row(cards, work, row, scope, system) result(text)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(in) :: work
@@ -835,7 +833,7 @@ contains
     real(DP) :: x(6)
     integer :: i, status
     text = first_row(cards, work, row, scope, scope%element_shift, 1)
-    if (.not. scope%has_placement) return
+    if (.not. scope%has_placement .or. row%n <= 2) return
     x = 0
     do i = 2, min(7, row%n)
       call field_real(cards, row, i, x(i - 1), status)

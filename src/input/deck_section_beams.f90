@@ -1,14 +1,15 @@
-!> BEAM SECTION and BEAM GENERAL SECTION of beams that keep the stiffnesses of their cross-section: GENERAL, I, BOX.
+!> BEAM SECTION and BEAM GENERAL SECTION of beams that keep the stiffnesses of their cross-section: GENERAL, I, L, BOX, ...
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Their elements become user elements without UEL: B31 in the abaqus dialect, the element U1 in that of calculix. Shear factors
-!! are those of Abaqus: 0.44 for I and BOX, 1 for GENERAL (Abaqus Analysis User's Guide, Choosing a beam cross-section). An I has
-!! the torsion constant of an open section, sum b t^3/3, a BOX that of Bredt (S. Timoshenko, J. Goodier, Theory of Elasticity).
+!! Their elements become user elements without UEL: B31 in the abaqus dialect, the element U1 in that of calculix.
 module amontons_deck_section_beams
   use amontons_kinds, only: DP
+  use amontons_beam_cross_sections, only: cross_section_type, i_section, box_section, l_section, hexagon_section, &
+    trapezoid_section, wall_section, WALLS_OK, WALLS_LOOSE, WALLS_CELLS
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_reader, only: reader_type, report_error, read_real, check_n_fields, check_no_data, is_card
+  use amontons_deck_reader, only: reader_type, report_error, read_real, read_integer, check_n_fields, is_card
+  use amontons_deck_beams, only: pass_integration_points
   use amontons_deck_user_elements, only: beam_kind
   use amontons_element_drafts, only: element_draft_type
   use amontons_element_kinds, only: KIND_B31, KIND_B31R, KIND_USER
@@ -23,15 +24,6 @@ module amontons_deck_section_beams
 
   integer, parameter :: NUMBER_BEAM = -1           !< of the kind of B31, which no *USER ELEMENT has
 
-  !> The numbers of a cross-section.
-  type :: geometry_type
-    real(DP) :: area = 1                           !< [length^2]
-    real(DP) :: about(2) = 1, product = 0          !< second moments about axes 1, 2, product of inertia [length^4]
-    real(DP) :: torsion = 1                        !< J [length^4]
-    real(DP) :: shear_factor = 1                   !< k [-]
-    real(DP) :: centroid(2) = 0                    !< from the node along axes 1, 2 [length]
-  end type geometry_type
-
 contains
 
   !> Whether a card gives such a section.
@@ -43,7 +35,8 @@ contains
     is_section_beam = .false.
     if (is_card(reader, c, 'SHELLSECTION')) return
     word = parameter_word(parameters, 'SECTION', 'RECT')
-    is_section_beam = word == 'GENERAL' .or. word == 'I' .or. (word == 'BOX' .and. reader%dialect /= DIALECT_CALCULIX)
+    is_section_beam = word == 'GENERAL' .or. word == 'I' .or. word == 'L' .or. word == 'HEX' .or. word == 'TRAPEZOID' .or. &
+      word == 'ARBITRARY' .or. (word == 'BOX' .and. reader%dialect /= DIALECT_CALCULIX)
   end function is_section_beam
 
 
@@ -57,7 +50,7 @@ contains
     type(model_type), intent(inout) :: model     !< with the element sets of drafts
     type(element_draft_type), intent(inout) :: draft
     type(user_properties_type) :: properties
-    type(geometry_type) :: geometry
+    type(cross_section_type) :: geometry
     real(DP) :: E, G
     logical :: is_ok
     call check_offsets(reader, c, parameters)
@@ -72,14 +65,13 @@ contains
       else if (material > 0) then
         call find_moduli(reader, reader%cards%cards(c)%line, model%materials(material), E, G)
       end if
-      if (is_ok) then
-        if (next_row(reader%cards, row)) call check_no_data(reader, row)
-      end if
+      if (is_ok) call pass_integration_points(reader, row)
       section%axial = E * geometry%area
       section%torsion = G * geometry%torsion
       section%bending = E * reshape([geometry%about(1), -geometry%product, -geometry%product, geometry%about(2)], [2, 2])
       section%shear = geometry%shear_factor * G * geometry%area
       section%centroid = geometry%centroid
+      section%shear_center = geometry%shear_center
     end associate
     properties%reals = [real(DP) ::]
     properties%integers = [integer ::]
@@ -93,54 +85,150 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     if (has_parameter(parameters, 'OFFSET1') .or. has_parameter(parameters, 'OFFSET2')) call report_error(reader, &
-      reader%cards%cards(c)%line, 'SECTION=GENERAL, I and BOX take no OFFSET1 and OFFSET2.')
+      reader%cards%cards(c)%line, 'Only SECTION=RECT, CIRC and PIPE take OFFSET1 and OFFSET2 here.')
   end subroutine check_offsets
 
 
-  !> The first data line.
+  !> The numbers of the cross-section, in one line or more.
   subroutine read_geometry(reader, c, parameters, row, geometry, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     type(data_row_type), intent(inout) :: row
-    type(geometry_type), intent(out) :: geometry
+    type(cross_section_type), intent(out) :: geometry
     logical, intent(out) :: is_ok
     character(:), allocatable :: word
     real(DP) :: v(7)
-    integer :: i, n
     word = parameter_word(parameters, 'SECTION', 'RECT')
     is_ok = next_row(reader%cards, row)
     if (.not. is_ok) then
       call report_error(reader, reader%cards%cards(c)%line, 'The data line with the numbers of the section is missing.')
-      return
-    end if
-    if (reader%dialect == DIALECT_CALCULIX .and. word == 'I' .or. reader%dialect /= DIALECT_CALCULIX .and. word == 'GENERAL' &
-      .and. is_card(reader, c, 'BEAMSECTION')) then
-      call report_error(reader, reader%cards%cards(c)%line, trim(merge('CalculiX has no SECTION=I.                       ', &
-        'SECTION=GENERAL belongs to *BEAM GENERAL SECTION.', word == 'I')))
+    else if (reader%dialect == DIALECT_CALCULIX .and. word /= 'GENERAL') then
+      call report_error(reader, reader%cards%cards(c)%line, 'CalculiX has no SECTION=' // word // '.')
       is_ok = .false.
+    else if (reader%dialect /= DIALECT_CALCULIX .and. word == 'GENERAL' .and. is_card(reader, c, 'BEAMSECTION')) then
+      call report_error(reader, reader%cards%cards(c)%line, 'SECTION=GENERAL belongs to *BEAM GENERAL SECTION.')
+      is_ok = .false.
+    end if
+    if (.not. is_ok) return
+    if (word == 'ARBITRARY') then
+      call read_walls(reader, c, row, geometry, is_ok)
       return
     end if
-    n = merge(7, merge(6, 5, word == 'BOX'), word == 'I' .or. (word == 'GENERAL' .and. reader%dialect /= DIALECT_CALCULIX))
-    call check_n_fields(reader, row, n)
-    v = 0
-    do i = 1, merge(5, n, word == 'GENERAL')
-      call read_real(reader, row, i, 'number of the section', v(i), is_ok)
-    end do
+    call read_numbers(reader, row, word, v, is_ok)
     if (.not. is_ok) return
     select case (word)
     case ('I')
-      call check_i_section(reader, row, v, is_ok)
-      if (is_ok) geometry = i_section(v)
+      call set_i_section(reader, row, v, geometry, is_ok)
     case ('BOX')
       is_ok = all(v(:6) > 0) .and. v(3) + v(5) < v(1) .and. v(4) + v(6) < v(2)
+      if (is_ok) geometry = box_section(v(:2), v(3:4), v(5:6))
       if (.not. is_ok) call report_error(reader, row%line, 'The numbers of a BOX must be positive, and opposite walls thinner ' // &
         'than it: the line gives its dimensions along direction 1 and 2, then the walls at +1, +2, -1, -2.')
-      if (is_ok) geometry = box_section(v(:6))
+    case ('L')
+      is_ok = all(v(:4) > 0) .and. v(4) < v(1) .and. v(3) < v(2)
+      if (is_ok) geometry = l_section(v(:2), v(3:4))
+      if (.not. is_ok) call report_error(reader, row%line, 'The line of an L gives the lengths of its legs along direction 1 ' // &
+        'and 2, from the outer corner, and their thicknesses: all positive, and each leg longer than the other is thick.')
+    case ('HEX')
+      is_ok = all(v(:2) > 0) .and. v(2) < 0.5_DP * sqrt(3.0_DP) * v(1)
+      if (is_ok) geometry = hexagon_section(v(1), v(2))
+      if (.not. is_ok) call report_error(reader, row%line, 'The line of a HEX gives the radius of its outer corners and the ' // &
+        'thickness of its walls, both positive and the wall thinner than 0.866 of the radius.')
+    case ('TRAPEZOID')
+      is_ok = all(v(:3) > 0)
+      if (is_ok) geometry = trapezoid_section(v(1), v(2), v(3), v(4))
+      if (.not. is_ok) call report_error(reader, row%line, 'The line of a TRAPEZOID gives its width at the bottom, its ' // &
+        'height, its width at the top, all positive, and the height of the node over the bottom.')
     case default
       call set_general(reader, row, v(:5), geometry, is_ok)
     end select
   end subroutine read_geometry
+
+
+  !> The numbers of one line.
+  subroutine read_numbers(reader, row, word, v, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    character(*), intent(in) :: word             !< of SECTION
+    real(DP), intent(out) :: v(7)                !< [length, length^2, length^4]
+    logical, intent(out) :: is_ok
+    integer :: i, n, n_fields
+    n = 5
+    if (word == 'I') n = 7
+    if (word == 'BOX') n = 6
+    if (word == 'L' .or. word == 'TRAPEZOID') n = 4
+    if (word == 'HEX') n = 2
+    n_fields = n
+    if (word == 'GENERAL' .and. reader%dialect /= DIALECT_CALCULIX) n_fields = 7   ! the others belong to warping
+    call check_n_fields(reader, row, n_fields)
+    v = 0
+    is_ok = .true.
+    do i = 1, n
+      call read_real(reader, row, i, 'number of the section', v(i), is_ok)
+    end do
+  end subroutine read_numbers
+
+
+  !> The lines of ARBITRARY: number of walls, first and second point, thickness between them; then for each wall its end and
+  !! thickness.
+  subroutine read_walls(reader, c, row, geometry, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(data_row_type), intent(inout) :: row    !< in: the first line
+    type(cross_section_type), intent(out) :: geometry
+    logical, intent(out) :: is_ok
+    integer, parameter :: MAX_WALLS = 10000      !< more are a number in a wrong field
+    real(DP), allocatable :: points(:, :), thickness(:)
+    integer :: k, n, status
+    is_ok = .true.
+    call check_n_fields(reader, row, 6)
+    call read_integer(reader, row, 1, 'number of walls', n, is_ok)
+    if (is_ok .and. (n < 2 .or. n > MAX_WALLS)) then
+      call report_error(reader, row%line, 'An ARBITRARY section has 2 to ' // to_text(MAX_WALLS) // ' walls; a single one ' // &
+        'is a RECT.')
+      is_ok = .false.
+    end if
+    if (.not. is_ok) return
+    allocate (points(2, n + 1), thickness(n), source=0.0_DP)
+    call read_real(reader, row, 2, 'place along direction 1', points(1, 1), is_ok)
+    call read_real(reader, row, 3, 'place along direction 2', points(2, 1), is_ok)
+    do k = 1, n
+      if (k > 1) then
+        if (.not. next_row(reader%cards, row)) then
+          call report_error(reader, reader%cards%cards(c)%line, 'The section has ' // to_text(n) // ' walls, but lines of ' // &
+            'only ' // to_text(k - 1) // ' follow.')
+          is_ok = .false.
+          return
+        end if
+        call check_n_fields(reader, row, 3)
+      end if
+      associate (first => merge(4, 1, k == 1))
+        call read_real(reader, row, first, 'place along direction 1', points(1, k + 1), is_ok)
+        call read_real(reader, row, first + 1, 'place along direction 2', points(2, k + 1), is_ok)
+        call read_real(reader, row, first + 2, 'thickness', thickness(k), is_ok)
+      end associate
+      if (thickness(k) < 0 .or. .not. norm2(points(:, k + 1) - points(:, k)) > 0) then
+        if (is_ok) call report_error(reader, row%line, 'A wall has a length and a thickness, which must not be negative.')
+        is_ok = .false.
+      end if
+    end do
+    if (.not. is_ok) return
+    call wall_section(points, thickness, geometry, status)
+    is_ok = status == WALLS_OK
+    if (is_ok) return
+    if (status == WALLS_LOOSE) then
+      call report_error(reader, reader%cards%cards(c)%line, 'A wall of thickness 0 only goes back along a wall before it, ' // &
+        'to start a branch: it must have the two points of that wall.')
+    else if (status == WALLS_CELLS) then
+      call report_error(reader, reader%cards%cards(c)%line, 'An ARBITRARY section is open, or one cell whose last point is ' // &
+        'the first: it has no fins on a cell and no second cell. Give its area and moments of inertia by *BEAM GENERAL ' // &
+        'SECTION, SECTION=GENERAL.')
+    else
+      call report_error(reader, reader%cards%cards(c)%line, 'All walls of the section lie on one line, about which they ' // &
+        'have no bending stiffness: take RECT.')
+    end if
+  end subroutine read_walls
 
 
   !> The numbers of GENERAL. Abaqus: area, I11, I12, I22, J, where I11 resists moments about direction 1. CalculiX: area, I11, I12,
@@ -149,7 +237,7 @@ contains
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
     real(DP), intent(in) :: v(5)
-    type(geometry_type), intent(out) :: geometry
+    type(cross_section_type), intent(out) :: geometry
     logical, intent(out) :: is_ok
     is_ok = v(1) > 0 .and. v(2) > 0 .and. v(4) > 0 .and. v(5) > 0 .and. v(2) * v(4) > v(3)**2
     if (.not. is_ok) call report_error(reader, row%line, 'The area, I11, I22 and the fifth number must be positive, and ' // &
@@ -170,53 +258,22 @@ contains
   end subroutine set_general
 
 
-  !> Reports wrong numbers of an I.
-  subroutine check_i_section(reader, row, v, is_ok)
+  !> The numbers of an I; a flange without width and thickness is not there.
+  subroutine set_i_section(reader, row, v, geometry, is_ok)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
     real(DP), intent(in) :: v(7)                 !< l, h, b1, b2, t1, t2, t3 [length]
+    type(cross_section_type), intent(out) :: geometry
     logical, intent(out) :: is_ok
-    is_ok = all(v(2:) > 0) .and. v(5) + v(6) < v(2) .and. v(7) <= max(v(3), v(4))
+    logical :: is_flange(2)
+    is_flange = v(3:4) > 0 .and. v(5:6) > 0
+    is_ok = v(2) > 0 .and. v(7) > 0 .and. any(is_flange) .and. all(is_flange .or. max(abs(v(3:4)), abs(v(5:6))) <= 0) .and. &
+      v(5) + v(6) < v(2) .and. v(7) <= max(v(3), v(4))
+    if (is_ok) geometry = i_section(v(1), v(2), v(3:4), v(5:6), v(7))
     if (.not. is_ok) call report_error(reader, row%line, 'The line of an I gives the height of the node over the bottom, the ' // &
       'height, the widths of the lower and the upper flange, their thicknesses, and that of the web. All but the first must ' // &
-      'be positive, and the flanges must leave a web.')
-  end subroutine check_i_section
-
-
-  !> An I: web along direction 2.
-  pure function i_section(v) result(geometry)
-    real(DP), intent(in) :: v(7)                 !< l, h, b1, b2, t1, t2, t3 [length]
-    type(geometry_type) :: geometry
-    real(DP) :: width(3), height(3), middle(3), area(3)
-    width = [v(3), v(4), v(7)]                   ! lower flange, upper flange, web
-    height = [v(5), v(6), v(2) - v(5) - v(6)]
-    middle = [v(5) / 2, v(2) - v(6) / 2, v(5) + height(3) / 2] - v(1)
-    area = width * height
-    geometry%area = sum(area)
-    geometry%centroid = [0.0_DP, sum(area * middle) / geometry%area]
-    geometry%about = [sum(area * (height**2 / 12 + (middle - geometry%centroid(2))**2)), sum(area * width**2) / 12]
-    geometry%torsion = (v(3) * v(5)**3 + v(4) * v(6)**3 + height(3) * v(7)**3) / 3
-    geometry%shear_factor = 0.44_DP
-  end function i_section
-
-
-  !> A box: the outer rectangle less the hole; its node is at the middle of the outer rectangle.
-  pure function box_section(v) result(geometry)
-    real(DP), intent(in) :: v(6)                 !< dimensions along axes 1, 2, walls at +1, +2, -1, -2 [length]
-    type(geometry_type) :: geometry
-    real(DP) :: hole(2), place(2), area(2), line(2)
-    hole = v(:2) - v(3:4) - v(5:6)
-    place = 0.5_DP * (v(5:6) - v(3:4))           ! middle of the hole
-    area = [v(1) * v(2), -hole(1) * hole(2)]
-    geometry%area = sum(area)
-    geometry%centroid = area(2) * place / geometry%area
-    geometry%about = (area(1) * v([2, 1])**2 + area(2) * hole([2, 1])**2) / 12 + area(2) * place([2, 1])**2 - &
-      geometry%area * geometry%centroid([2, 1])**2
-    geometry%product = area(2) * place(1) * place(2) - geometry%area * product(geometry%centroid)
-    line = v(:2) - 0.5_DP * (v(3:4) + v(5:6))    ! middle lines of the walls
-    geometry%torsion = 4 * product(line)**2 / (line(2) / v(3) + line(1) / v(4) + line(2) / v(5) + line(1) / v(6))
-    geometry%shear_factor = 0.44_DP
-  end function box_section
+      'be positive, and the flanges must leave a web; a T has one flange, the other with width and thickness 0.')
+  end subroutine set_i_section
 
 
   !> The second data line, which may be missing.
@@ -274,7 +331,7 @@ contains
       allocated(material%cone%value)) .and. material%creep_law == CREEP_NONE
     if (is_linear .and. allocated(material%elastic%temperature)) is_linear = size(material%elastic%temperature) == 1
     if (.not. is_linear) then
-      call report_error(reader, line, 'SECTION=GENERAL, I and BOX take a linear isotropic elastic material without tables; ' // &
+      call report_error(reader, line, 'Beams by their section take a linear isotropic elastic material without tables; ' // &
         'build the beam of shells, or take RECT, CIRC or PIPE.')
       return
     end if
@@ -290,8 +347,8 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line
     integer :: c
-    if (any([(is_card(reader, c, 'TEMPERATURE'), c=1, reader%cards%n_cards)])) call report_error(reader, line, 'Beams of ' // &
-      'SECTION=GENERAL, I and BOX do not expand with *TEMPERATURE: leave the thermal expansion out.')
+    if (any([(is_card(reader, c, 'TEMPERATURE'), c=1, reader%cards%n_cards)])) call report_error(reader, line, 'Beams by ' // &
+      'their section do not expand with *TEMPERATURE: leave the thermal expansion out.')
   end subroutine check_temperature
 
 

@@ -5,9 +5,10 @@ module amontons_deck_structure
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, field_real
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_controls, only: controls_type
-  use amontons_deck_beams, only: read_beam_section, read_general_material, section_offset, add_middle_nodes, mark_plane_beams, &
-    hold_plane_beams
+  use amontons_deck_beams, only: read_beam_section, pass_integration_points, read_general_material, section_offset, &
+    add_middle_nodes, mark_plane_beams, hold_plane_beams
   use amontons_deck_section_beams, only: is_section_beam, read_section_beam
+  use amontons_deck_shell_stiffness, only: read_shell_stiffness
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
@@ -36,8 +37,8 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, set, material
     do c = 1, reader%cards%n_cards
-      if (.not. (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'BEAMSECTION') .or. &
-        is_card(reader, c, 'BEAMGENERALSECTION'))) cycle
+      if (.not. (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'SHELLGENERALSECTION') .or. &
+        is_card(reader, c, 'BEAMSECTION') .or. is_card(reader, c, 'BEAMGENERALSECTION'))) cycle
       call open_card(reader, c, parameters, row)
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
@@ -55,16 +56,16 @@ contains
       section = structural_section_type()
       section%line = reader%cards%line_number(reader%cards%cards(c)%line)
       section%deck_line = reader%cards%cards(c)%line
-      if (is_card(reader, c, 'SHELLSECTION')) then
-        call read_shell_section(reader, c, parameters, row, section)
+      if (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'SHELLGENERALSECTION')) then
+        call read_shell_section(reader, c, parameters, row, section, model)
         if (allocated(section%layers)) material = section%layers(1)%material
       else
         call read_beam_section(reader, c, parameters, row, section)
         if (is_card(reader, c, 'BEAMGENERALSECTION') .and. .not. has_parameter(parameters, 'MATERIAL')) then
           call read_general_material(reader, c, parameters, row, model)
           material = size(model%materials)
-        else if (next_row(reader%cards, row)) then
-          call check_no_data(reader, row)
+        else
+          call pass_integration_points(reader, row)
         end if
       end if
       if (set == 0) cycle
@@ -232,24 +233,33 @@ contains
   end subroutine check_meridian_axes
 
 
-  !> SHELL SECTION: thickness and number of points, which are those of the solids here.
-  subroutine read_shell_section(reader, c, parameters, row, section)
+  !> SHELL SECTION, SHELL GENERAL SECTION: thickness and number of points, which are those of the solids here; layers; stiffness.
+  subroutine read_shell_section(reader, c, parameters, row, section, model)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     type(data_row_type), intent(inout) :: row
     type(structural_section_type), intent(inout) :: section
+    type(model_type), intent(inout) :: model     !< out: with the materials that a stiffness needs
     logical :: is_ok
     section%family = FAMILY_SHELL
-    section%card = 'SHELL SECTION'
+    section%card = trim(merge('SHELL SECTION        ', 'SHELL GENERAL SECTION', is_card(reader, c, 'SHELLSECTION')))
     section%has_nodal_thickness = has_parameter(parameters, 'NODAL THICKNESS')
     section%offset(1) = section_offset(reader, c, parameters, 'OFFSET')
     section%orientation = parameter_text(parameters, 'ORIENTATION')
     is_ok = .true.
+    if (is_card(reader, c, 'SHELLGENERALSECTION') .and. reader%dialect == DIALECT_CALCULIX) call report_error(reader, &
+      reader%cards%cards(c)%line, 'CalculiX has no *SHELL GENERAL SECTION; use *SHELL SECTION.')
     if (has_parameter(parameters, 'COMPOSITE')) then
       if (has_parameter(parameters, 'MATERIAL')) call report_error(reader, reader%cards%cards(c)%line, 'With COMPOSITE the ' // &
         'data lines name the materials; leave MATERIAL out.')
       call read_layers(reader, c, row, section)
+      return
+    end if
+    if (is_card(reader, c, 'SHELLGENERALSECTION') .and. .not. has_parameter(parameters, 'MATERIAL')) then
+      if (section%has_nodal_thickness) call report_error(reader, reader%cards%cards(c)%line, 'A section that is given by its ' // &
+        'stiffness has no NODAL THICKNESS.')
+      call read_shell_stiffness(reader, c, parameters, row, section, model)
       return
     end if
     if (.not. has_parameter(parameters, 'MATERIAL')) call report_error(reader, reader%cards%cards(c)%line, &
@@ -260,7 +270,8 @@ contains
       if (is_ok .and. .not. section%thickness(1) > 0) call report_error(reader, row%line, 'The thickness must be positive.')
       if (next_row(reader%cards, row)) call check_no_data(reader, row)
     else if (.not. section%has_nodal_thickness) then
-      call report_error(reader, reader%cards%cards(c)%line, '*SHELL SECTION needs a data line with the thickness.')
+      call report_error(reader, reader%cards%cards(c)%line, '*' // section%card // &
+        ' needs a data line with the thickness.')
     end if
   end subroutine read_shell_section
 
@@ -296,8 +307,8 @@ contains
     end do
     section%thickness(1) = sum(section%layers%thickness)
     if (size(section%layers) > 0) return
-    call report_error(reader, reader%cards%cards(c)%line, '*SHELL SECTION, COMPOSITE needs a data line for each layer: ' // &
-      'thickness, number of points, material, orientation or angle.')
+    call report_error(reader, reader%cards%cards(c)%line, '*' // section%card // ', COMPOSITE needs a data line for each ' // &
+      'layer: thickness, number of points, material, orientation or angle.')
     deallocate (section%layers)
   end subroutine read_layers
 

@@ -387,7 +387,7 @@ contains
     type(user_elements_type), intent(in) :: user_elements
     type(step_type), intent(in) :: step
     if (step%is_nlgeom .and. any(user_elements%kinds%is_beam)) call report_error(reader, line, 'Beams by their section ' // &
-      '(SECTION=GENERAL, I, BOX) have small rotations: leave out NLGEOM, or take RECT, CIRC or PIPE.')
+      'have small rotations: leave out NLGEOM, or take RECT, CIRC or PIPE.')
     if (step%is_riks) call report_error(reader, line, 'A RIKS step cannot have user elements: UEL would give loads too. Use ' // &
       '*STATIC with prescribed displacements.')
     if (step%is_dynamic) call report_error(reader, line, 'A *DYNAMIC step cannot have user elements: UEL does not give their ' // &

@@ -36,6 +36,7 @@ module amontons_user_elements
     real(DP) :: bending(2, 2) = 0                  !< moments about axes 1, 2 over the curvatures about them [force length^2]
     real(DP) :: shear(2) = 0                       !< k G A along axes 1, 2 [force]
     real(DP) :: centroid(2) = 0                    !< place of the centroid along axes 1, 2 from the node [length]
+    real(DP) :: shear_center(2) = 0                !< place of the shear centre along axes 1, 2 from the node [length]
     real(DP) :: direction(3) = 0                   !< fixes axis 1 together with the tangent [-]
   end type section_stiffness_type
 

@@ -98,6 +98,37 @@ def test_angle_ply_twist(proof: Proof) -> None:
     case.done()
 
 
+def test_shell_by_its_stiffness(proof: Proof) -> None:
+    """A plate whose section is given by the 21 numbers of its stiffness."""
+    plies = [(0.05, 0.0), (0.03, 30.0), (0.02, 90.0)]
+    case = proof(
+        "shell-by-its-stiffness",
+        title="A plate by the stiffness of its section, pulled and bent",
+        model="A plate 10 x 10, *SHELL GENERAL SECTION with A, B and D of the laminate [0/30/90] of 0.05, 0.03, 0.02, E1 = 250000, E2 = 10000, nu12 = 0.25, G12 = 5000; N11 = 0.1 or M11 = 0.001 at both ends, held at three corners; S4, 20 x 20.",
+        formula="(strain, curvature) = inverse of the stiffness times (N, M): the fourth corner moves by -kxy a b/2, the middle of an edge by kxx a^2/8 against its ends.",
+        source=CLT,
+        proves="Layers have A, B and D of a section: its 21 numbers, their order and signs.",
+    )
+    whole = abd(LAMINA, plies)
+    numbers = [float(whole[i, j]) for j in range(6) for i in range(j + 1)]
+    rows = "".join(", ".join(f"{x:.15g}" for x in numbers[k : k + 8]) + "\n" for k in (0, 8, 16))
+    body = shell("S4", (20, 20), lambda u, v: (10 * u, 10 * v, 0 * u))
+    supports = held([body.at(0, 0)], "1, 3") + held([body.at(1, 0)], "2, 3") + held([body.at(0, 1)], "3")
+    for dof, size in ((1, 1.0), (5, 0.01)):
+        loads = "*CLOAD\n" + "".join(
+            f"{i + 1}, {dof}, {sign * size * w:.15g}\n" for end, sign in ((1.0, 1), (0.0, -1)) for i, w in body.edge_weights(0, end).items()
+        )
+        job = case.run(body.cards() + f"*SHELL GENERAL SECTION, ELSET=E\n{rows}" + supports + step(loads), f"S4-{dof}")
+        state = np.linalg.solve(whole, np.array([size / 10 if k == (0 if dof == 1 else 3) else 0.0 for k in range(6)]))
+        u = job.last("U")
+        name = "pull" if dof == 1 else "bending"
+        why = "free edges are softer over a width of the thickness, here 1 %"
+        case.near(f"{name}: twist", float(u[body.at(1, 1), 2]), -50 * state[5], 0.02, why=why, place="the free corner", time="the end")
+        case.near(f"{name}: curvature", float(u[body.at(0.5, 0), 2]), 12.5 * state[3], 0.02, why=why, place="x = 5, y = 0", time="the end")
+        case.near(f"{name}: stretch", float(u[body.at(1, 0), 0]), 10 * state[0], 0.02, why=why, place="x = 10, y = 0", time="the end")
+    case.done()
+
+
 def test_pressurized_tube(proof: Proof) -> None:
     """The axes follow a curved shell."""
     plies = [(0.01, 90.0), (0.02, 0.0), (0.01, 90.0)]

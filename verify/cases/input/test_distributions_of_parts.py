@@ -8,9 +8,11 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from verify.conftest import Run
+from verify.readers.dat_frd_files import read_dat
 
 MODULI = (1000.0, 500.0, 200.0)  #: along the axes 1, 2, 3 of the material
 STRAIN = 1e-3
@@ -60,3 +62,32 @@ def test_bars(run_deck: Run, tmp_path: Path, placement: str, direction: int, *, 
     for k in range(3):
         assert forces[k][2] == pytest.approx(expected[k] * STRAIN, rel=1e-6)
         assert forces[3 + k][direction - 1] == pytest.approx(expected[k] * STRAIN, rel=1e-6)
+
+
+@pytest.mark.parametrize("placement", ["", "0., 2., 1.\n0., 0., 0., 1., 0., 0., 90.\n"])
+def test_angles(run_deck: Run, tmp_path: Path, placement: str) -> None:
+    """Angles element by element about axis 2, which lies across the bar along z: its modulus off the axes of the material is
+    1/E = c^4/E3 + s^4/E1 + c^2 s^2/G13 (R. M. Jones, Mechanics of Composite Materials, section 2.7; nu = 0). The bars contract and
+    shear freely."""
+    angles = {1: 0.0, 2: 90.0, 3: 30.0}
+    text = "*PART, NAME=P\n" + CUBES + ELEMENTS + "*ELSET, ELSET=THIRD\n3,\n"
+    text += "".join(f"*NSET, NSET=HEAD{k + 1}\n{', '.join(str(8 * k + i) for i in range(5, 9))}\n" for k in range(3))
+    text += "*NSET, NSET=A\n1, 9, 17\n*NSET, NSET=B\n2, 10, 18\n*NSET, NSET=C\n3, 11, 19\n*NSET, NSET=D\n4, 12, 20\n"
+    text += "*ORIENTATION, NAME=AXES\n1., 0., 0., 0., 1., 0.\n2, TURN\n*DISTRIBUTION TABLE, NAME=TABLE\nANGLE\n"
+    text += f"*DISTRIBUTION, NAME=TURN, LOCATION=ELEMENT, TABLE=TABLE\n, {angles[1]}\n2, {angles[2]}\nTHIRD, {angles[3]}\n"
+    text += "*SOLID SECTION, ELSET=E, MATERIAL=M, ORIENTATION=AXES\n*END PART\n*ASSEMBLY, NAME=S\n"
+    text += f"*INSTANCE, NAME=I, PART=P\n{placement}*END INSTANCE\n*END ASSEMBLY\n"
+    text += "*MATERIAL, NAME=M\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n" + ", ".join(map(str, MODULI)) + ", 0., 0., 0., 100., 90.\n80.\n"
+    along, side, sign = (2, 3, -1) if placement else (3, 2, 1)  # z and y of the part in the model; x stays
+    text += f"*STEP\n*STATIC\n*BOUNDARY\nI.A, 1, 3\nI.B, {side}, {side}\n" + "".join(f"I.{n}, {along}, {along}\n" for n in "BCD")
+    text += "*CLOAD\n" + "".join(f"I.HEAD{k}, {along}, {sign * 0.25}\n" for k in (1, 2, 3))
+    text += "".join(f"*NODE PRINT, NSET=I.HEAD{k}\nU\n" for k in (1, 2, 3)) + "*END STEP\n"
+    done = run_deck(text)
+    assert done.returncode == 0, done.stdout + done.stderr
+    blocks = [block for block in read_dat(tmp_path / "job.dat") if block.rows]
+    assert len(blocks) == 3
+    for k, block in enumerate(blocks, 1):
+        s, c = np.sin(np.radians(angles[k])), np.cos(np.radians(angles[k]))
+        compliance = s**4 / MODULI[0] + c**4 / MODULI[2] + c**2 * s**2 / 90.0
+        for row in block.rows.values():
+            assert sign * row[along - 1] == pytest.approx(compliance, rel=1e-6)

@@ -58,6 +58,7 @@ contains
     logical :: is_ok
     section = uneven()
     section%centroid = [0.4_DP, -0.7_DP]
+    section%shear_center = [-0.2_DP, 0.3_DP]
     call evaluate_section_beam(section, X, K, is_ok)
     call suite%near('symmetric', maxval(abs(K - transpose(K))) / maxval(abs(K)), 0.0_DP, ROUNDING)
     do i = 1, 3
@@ -116,6 +117,12 @@ contains
     u = [matmul(axes, [0.0_DP, -turn * L / 2, 3.0_DP * L / 900.0_DP - 0.5_DP * turn]), matmul(axes, [turn, 0.0_DP, 0.0_DP])]
     force = [matmul(axes, [0.0_DP, 0.0_DP, 3.0_DP]), 0.0_DP, 0.0_DP, 0.0_DP]
     call suite%near('pull off the centroid', maxval(abs(matmul(K(7:, 7:), u) - force)), 0.0_DP, ROUNDING)
+    section%shear_center = [0.3_DP, 0.0_DP]      ! a force along axis 2 through it bends and does not twist
+    call evaluate_section_beam(section, X, K, is_ok)
+    u = [matmul(axes, [0.0_DP, 2 * (L**3 / 90 + L / 60), 0.0_DP]), matmul(axes, [-L**2 / 30, 0.0_DP, 0.0_DP])]
+    u(1:3) = u(1:3) + matmul(axes, [0.0_DP, 0.0_DP, 0.5_DP * L**2 / 30])   ! the centroid at +0.5 along axis 2 stays
+    force = [matmul(axes, [0.0_DP, 2.0_DP, 0.0_DP]), matmul(axes, [0.0_DP, 0.0_DP, 0.3_DP * 2])]
+    call suite%near('force at the shear centre', maxval(abs(matmul(K(7:, 7:), u) - force)), 0.0_DP, ROUNDING)
   end subroutine check_offset
 
 end program test_section_beams

@@ -83,7 +83,7 @@ contains
     call expect_message(B32 // section('PIPE', '.3,-.1'), 'dimensions must be positive')
     call expect_message(B32 // section('CIRC', '0.'), 'dimensions must be positive')
     call expect_message(B32 // section('BOX', '1.,2.,.6,.2,.6,.4'), 'Opposite walls of a box', DIALECT_CALCULIX)
-    call expect_message(B32 // section('L', '1.,1.'), 'The sections are RECT')
+    call expect_message(B32 // section('ELBOW', '1.,1.'), 'any other is *BEAM GENERAL SECTION')
     call expect_message(B32 // '*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=RECT;.1,.2;0,0,0;', 'direction must not be zero')
     call expect_message(B32 // '*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=RECT;', 'needs a data line')
   end subroutine check_errors

@@ -44,6 +44,15 @@ contains
     call suite%that('one for each line', size(model%orientations) == 4 .and. all(model%element_orientation == [3, 4]))
     call suite%that('all of one system', all(model%orientations(2:)%system == SYSTEM_CYLINDRICAL))
     call suite%near('of element 2', model%orientations(4)%a(1), 1.0_DP, 0.0_DP)
+    call expect_read('*SOLID SECTION, ELSET=E, MATERIAL=M, ORIENTATION=P;*ORIENTATION, NAME=P;D;3,T;' // &
+      '*DISTRIBUTION, NAME=D, LOCATION=ELEMENT;,1,0,0,0,1,0;2,0,1,0,1,0,0;*DISTRIBUTION, NAME=T;,30.;2,90.;', model)
+    associate (o => model%orientations(model%element_orientation))
+      call suite%near('angles', norm2(o%rotation_angle - [PI / 6, PI / 2]), 0.0_DP, 1.0e-15_DP)
+      call suite%that('about their axis, with axes of their own', all(o%rotation_axis == 3) .and. o(2)%a(2) > 0)
+    end associate
+    call expect_message(SECTION // '*ORIENTATION, NAME=P;1,0,0,0,1,0;3,Q;', 'no distribution ''Q''')
+    call expect_message('*SOLID SECTION, ELSET=E, MATERIAL=M, ORIENTATION=P;*ORIENTATION, NAME=P;1,0,0,0,1,0;3,T;' // &
+      '*DISTRIBUTION, NAME=T;,x;', 'angle')
     call expect_message(SECTION // '*ORIENTATION, NAME=P;1,0,0,2,0,0;', 'give no axes')
     call expect_message(SECTION // '*ORIENTATION, NAME=P, SYSTEM=CYLINDRICAL;1,0,0,1,0,0;', 'give no axes')
     call expect_message(SECTION // '*ORIENTATION, NAME=P;1,0,0,0,1,0;4,5.;', 'must be 1, 2 or 3')

@@ -1,4 +1,4 @@
-!> Unit test of deck_section_beams: numbers of GENERAL, I and BOX in both dialects, elements that take them, what is refused.
+!> Unit test of deck_section_beams: numbers of all sections in both dialects, elements that take them, what is refused.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_deck_section_beams
   use amontons_kinds, only: DP
@@ -18,6 +18,7 @@ program test_deck_section_beams
   type(model_type) :: model
   call check_general()
   call check_sections()
+  call check_shapes()
   call check_errors()
   call suite%finish()
 
@@ -91,6 +92,41 @@ contains
   end subroutine check_sections
 
 
+  !> T, L, HEX, TRAPEZOID, ARBITRARY: the numbers reach the right place; a line of integration points is passed over.
+  subroutine check_shapes()
+    call expect_read(B31 // section('I', '0.,10.,0.,4.,0.,2.,.5'), model)
+    associate (s => model%user_elements%properties(1)%section)
+      call suite%near('T', norm2([s%axial / 100, s%centroid(2), s%shear_center(2)] - [12.0_DP, 88 / 12.0_DP, 9.0_DP]), 0.0_DP, &
+        1.0e-11_DP)
+    end associate
+    call expect_read(B31 // section('L', '4.,6.,.5,.25') // '5,5;', model)
+    associate (s => model%user_elements%properties(1)%section)
+      call suite%near('L', norm2([s%axial / 100, s%torsion / 40, s%shear(1) / 40] - [3.375_DP, &
+        (4 * 0.125_DP + 5.5_DP * 0.015625_DP) / 3, 3.375_DP]), 0.0_DP, 1.0e-11_DP)
+      call suite%near('L: centroid', norm2(s%centroid - [2 * 1.875_DP, 1.375_DP * 3] / 3.375_DP), 0.0_DP, 1.0e-12_DP)
+      call suite%that('L: a wide leg bends the other way', s%bending(1, 2) > 0)
+    end associate
+    call expect_read(B31 // section('HEX', '2.,.1'), model)
+    associate (s => model%user_elements%properties(1)%section)
+      call suite%near('HEX', s%axial / 100, 6 * 0.1_DP * (2 - 0.1_DP / sqrt(3.0_DP)), 1.0e-12_DP)
+      call suite%near('HEX: shear', s%shear(1) / s%axial, 0.53_DP * 0.4_DP, 1.0e-12_DP)
+    end associate
+    call expect_read(B31 // section('TRAPEZOID', '3.,2.,1.,.5'), model)
+    associate (s => model%user_elements%properties(1)%section)
+      call suite%near('TRAPEZOID', norm2([s%axial / 100, s%centroid(2)] - [4.0_DP, 10 / 12.0_DP - 0.5_DP]), 0.0_DP, 1.0e-12_DP)
+    end associate
+    call expect_read(B31 // section('ARBITRARY', '3,3.,-4.,0.,-4.,.1;0.,4.,.2;3.,4.,.1'), model)
+    associate (s => model%user_elements%properties(1)%section)
+      call suite%near('channel', norm2([s%axial / 100, s%bending(1, 1) / 100] - [2.2_DP, 0.2_DP * 512 / 12 + 9.6_DP]), 0.0_DP, &
+        1.0e-11_DP)
+      call suite%near('its direction', norm2(s%direction - [0.0_DP, 1.0_DP, 0.0_DP]), 0.0_DP, 0.0_DP)
+    end associate
+    call expect_read(B31 // '*BEAM GENERAL SECTION, ELSET=B, SECTION=ARBITRARY;2,1.,0.,0.,0.,.1;0.,1.,.1;0,1,0;100.,40.;', model)
+    call suite%near('general section', model%user_elements%properties(1)%section%axial, 20.0_DP, 1.0e-12_DP)
+    call expect_read(B31 // section('THICK PIPE', '1.,.2') // '3,8;', model)
+  end subroutine check_shapes
+
+
   !> What is refused.
   subroutine check_errors()
     character(*), parameter :: GENERAL = '*BEAM GENERAL SECTION, ELSET=B, SECTION=GENERAL;'
@@ -105,7 +141,21 @@ contains
     call expect_message(B31 // section('GENERAL', '2.,3.,0.,5.,.8'), 'is no U1', DIALECT_CALCULIX)
     call expect_message('*ELEMENT, TYPE=B21, ELSET=B;1,1,2;' // section('BOX', '4.,6.,.2,.2,.2,.2'), 'is no B31')
     call expect_message(B31 // section('I', '1.,2.,.6,.6,1.5,.5,.6'), 'flanges must leave a web')
+    call expect_message(B31 // section('I', '1.,2.,0.,0.,0.,0.,.6'), 'a T has one flange')
+    call expect_message(B31 // section('I', '1.,2.,1.,0.,.1,.1,.6'), 'a T has one flange')
     call expect_message(B31 // section('BOX', '4.,6.,2.,.2,2.,.2'), 'opposite walls thinner')
+    call expect_message(B31 // section('L', '4.,6.,.2,4.'), 'each leg longer than the other is thick')
+    call expect_message(B31 // section('HEX', '1.,.9'), 'wall thinner than 0.866')
+    call expect_message(B31 // section('TRAPEZOID', '1.,.9,0.,0.'), 'all positive, and the height of the node')
+    call expect_message(B31 // section('T', '1.,.9'), 'A T is an I with one flange')
+    call expect_message(B31 // section('ARBITRARY', '1,0.,0.,1.,0.,.1'), 'a single one is a RECT')
+    call expect_message(B31 // '*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=ARBITRARY;2,0.,0.,1.,0.,.1;', 'lines of only 1 follow')
+    call expect_message(B31 // section('ARBITRARY', '2,0.,0.,1.,0.,.1;1.,0.,.1'), 'A wall has a length')
+    call expect_message(B31 // section('ARBITRARY', '3,0.,0.,1.,0.,.1;1.,1.,0.;2.,2.,.1'), 'only goes back along a wall')
+    call expect_message(B31 // section('ARBITRARY', '2,0.,0.,1.,0.,.1;2.,0.,.1'), 'lie on one line')
+    call expect_message(B31 // section('ARBITRARY', '4,0.,0.,1.,0.,.1;1.,1.,.1;0.,0.,.1;-1.,0.,.1'), 'no fins on a cell')
+    call expect_message(B31 // section('L', '4.,6.,.5,.25') // '5,x;', 'number of integration points')
+    call expect_message(U1 // section('L', '4.,6.,.5,.25'), 'CalculiX has no SECTION=L', DIALECT_CALCULIX)
     call expect_message(B31 // GENERAL // '2.,3.,5.,5.,7.;0,1,0;100.,40.;', 'I11 I22 > I12^2')
     call expect_message(B31 // GENERAL // '2.,3.,0.,5.,7.;0,1,0;', 'needs a third data line')
     call expect_message(B31 // GENERAL, 'data line with the numbers of the section is missing')
