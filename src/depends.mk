@@ -136,6 +136,7 @@ uses_facet_search = kinds facets
 uses_surface_projection = kinds tensor element_kinds shape_functions facets analytic_master facet_search
 uses_body_thickness = kinds tensor mesh facets exterior_surface facet_search surface_projection
 uses_contact_constraint_rows = kinds element_kinds shape_functions facets analytic_master
+uses_facet_crossing = kinds tensor
 uses_master_symmetry_planes = kinds steps model facets surface_projection
 uses_self_contact_visibility = kinds containers tensor element_kinds facets facet_search surface_projection
 uses_tributary_areas = kinds tensor element_kinds mesh surfaces shape_functions
@@ -191,10 +192,11 @@ uses_contact_linearization = kinds tensor surfaces model surface_projection cont
 uses_contact_operators = kinds containers errors tensor sparse woodbury_interface contact_linearization
 uses_dependent_slaves = kinds text errors surfaces model elasticity tributary_areas constraints nonlinear_mpc
 uses_rigid_exterior = kinds text element_kinds mpc_data model
-uses_face_proximity = kinds facets exterior_surface mortar_segmentation contact_pairs rigid_exterior
+uses_face_proximity = kinds facets exterior_surface facet_search mortar_segmentation contact_pairs rigid_exterior
 uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search body_thickness mortar_segmentation body_motion shared_slave_nodes contact_pairs contact_heights rigid_exterior face_proximity
 uses_self_contact_pairs = kinds text element_kinds materials surfaces model exterior_surface mortar_segmentation body_motion general_contact
 uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs face_proximity general_contact self_contact_pairs
+uses_unpaired_crossing = kinds text containers surfaces model exterior_surface facet_search facet_crossing mortar_segmentation state body_motion rigid_exterior face_proximity general_contact unpaired_contact
 
 # equilibrium
 uses_arc_length = kinds steps model state
@@ -217,14 +219,14 @@ uses_motion_rows = kinds containers column_singletons sparse_null_space
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state stabilization contact_pairs model_check_bodies model_check_contact motion_rows rigid_modes
 uses_balanced_bodies = kinds text tensor loads structural_data model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion
-uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model facets exterior_surface facet_search face_proximity general_contact model_check_bodies
+uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model exterior_surface facet_search face_proximity general_contact model_check_bodies
 uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear
 uses_active_set_history = kinds state
 uses_active_set_cycling = kinds controls surfaces surface_projection slave_node_overrides state contact_pairs active_set_history
 uses_convergence = kinds controls
-uses_tunnelling_check = kinds tensor element_kinds model facets analytic_master facet_search contact_constraint_rows slave_node_overrides mortar_segmentation state contact_pairs
+uses_tunnelling_check = kinds element_kinds model facets analytic_master facet_search contact_constraint_rows facet_crossing slave_node_overrides mortar_segmentation state contact_pairs
 uses_line_search = kinds sparse surfaces steps model friction_slip_scenarios slave_node_overrides state equilibrium tangent_solution tunnelling_check
 uses_nonlinear_conjugate_gradients = kinds sparse controls mesh steps model contact_constraint_rows friction_slip_scenarios slave_node_overrides state contact_pairs equilibrium conjugate_gradient_preconditioner
 uses_contact_rounds = kinds errors iteration_records anderson_acceleration controls surfaces steps model slave_node_overrides state contact_pairs equilibrium newton_step conjugate_gradient_preconditioner convergence line_search nonlinear_conjugate_gradients
@@ -255,7 +257,7 @@ uses_user_routine_setup = kinds errors logger loads user_routines materials surf
 uses_model_setup = kinds text errors logger loads model deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes unpaired_contact arc_length equilibrium model_check_motion model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes unpaired_contact unpaired_crossing arc_length equilibrium model_check_motion model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors element_kinds materials mesh state constraints postprocess result_schema results driven_loads analysis
 uses_library = kinds text errors posix logger sparse mpi_ranks model friction_slip_scenarios state unsymmetric_tangent assembly equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

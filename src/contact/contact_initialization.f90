@@ -49,8 +49,10 @@ contains
     allocate (x_now, source=model%mesh%coordinates + fields%u)
     do p = 1, size(model%pairs)
       contact%has_fixed_geometry(p) = uses_fixed_geometry(contact, model, is_nlgeom, p)
+      contact%reach(p) = SEARCH_RADIUS_RATIO * contact%edge(p)     ! what is not found now is never found on fixed facets
+      if (contact%has_fixed_geometry(p)) contact%reach(p) = max(contact%reach(p), SEARCH_RADIUS_RATIO * model%pairs(p)%slave_edge)
       if (model%pairs(p)%has_point_contact) cycle
-      reach = SEARCH_RADIUS_RATIO * contact%edge(p)
+      reach = contact%reach(p)
       if (model%pairs(p)%is_mortar) reach = find_search_margin(contact%mortar(p), reach)
       if (.not. allocated(contact%facets(p)%profile)) call build_facet_search(contact%facets(p), merge(x, x_now, &
         contact%has_fixed_geometry(p)), &
@@ -72,7 +74,7 @@ contains
           slave%elastic = 0.0_DP
           cycle
         end if
-        reach = SEARCH_RADIUS_RATIO * contact%edge(p)
+        reach = contact%reach(p)
         if (slave%slave_facet > 0 .or. .not. contact%has_fixed_geometry(p)) then
           call update_projection(contact, x_now, s, reach, slave)
         else if (is_step_start) then

@@ -15,7 +15,7 @@ module amontons_contact_integration_points
   use amontons_facet_search, only: build_facet_search
   use amontons_mortar, only: mortar_type, mortar_node_type, find_search_margin
   use amontons_face_intersection_points, only: facing_point_type, find_facing_points, evaluate_face_normal
-  use amontons_contact_pairs, only: contact_type, resize_contact, SEARCH_RADIUS_RATIO
+  use amontons_contact_pairs, only: contact_type, resize_contact
   implicit none
   private
   public :: update_points, nearest_point
@@ -64,10 +64,10 @@ contains
       if (contact%is_removed(pair)) then
         allocate (face_points(0))
       else
-        call build_facet_search(master, x, find_search_margin(mortar, SEARCH_RADIUS_RATIO * contact%edge(pair)), &
+        call build_facet_search(master, x, find_search_margin(mortar, contact%reach(pair)), &
           contact%search(pair))
         call find_facing_points(mortar%slave, mortar%depth, master, contact%search(pair), x, &
-          SEARCH_RADIUS_RATIO * contact%edge(pair), face_points, n)
+          contact%reach(pair), face_points, n)
       end if
       call allocate_rows(mortar, n)
       call index_by_facet(before, first)

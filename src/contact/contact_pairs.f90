@@ -82,6 +82,7 @@ module amontons_contact_pairs
     real(DP), allocatable :: Rhat(:, :)  !< (3, n_slaves) imbalance of the row, including the reactions of other slaves [force]
     type(mortar_type), allocatable :: mortar(:)   !< (n_pairs) rows of surface-to-surface pairs: slave%row; empty for others
     real(DP), allocatable :: edge(:)              !< (n_pairs) longest facet edge of the master [length]
+    real(DP), allocatable :: reach(:)             !< (n_pairs) search radius; on fixed facets that of a slave edge, too [length]
     real(DP), allocatable :: searched_x(:, :)     !< (3, n_nodes) coordinates at the last search of all nodes without a facet
                                                   !! [length]
     real(DP), allocatable :: clearance(:)         !< (n_slaves) least distance of such a node from its master there, gap of an open
@@ -121,7 +122,7 @@ contains
     integer :: p, n
     allocate (contact%facets(size(model%pairs)), contact%search(size(model%pairs)))
     allocate (contact%has_fixed_geometry(size(model%pairs)), source=.false.)
-    allocate (contact%edge(size(model%pairs)), contact%slave_area_faces(size(model%pairs)))
+    allocate (contact%edge(size(model%pairs)), contact%reach(size(model%pairs)), contact%slave_area_faces(size(model%pairs)))
     allocate (contact%is_removed(size(model%pairs)), contact%is_shrink_fit(size(model%pairs)), &
       contact%is_ramped(size(model%pairs)), source=.false.)
     allocate (contact%interference(size(model%pairs)), source=0.0_DP)
@@ -140,6 +141,7 @@ contains
         if (allocated(error)) return
       end associate
       contact%edge(p) = maxval(contact%facets(p)%edge_length)
+      contact%reach(p) = SEARCH_RADIUS_RATIO * contact%edge(p)
       call limit_depth(model, p, contact%edge(p), contact%facets(p))
       if (is_self_contact(model%pairs(p))) call find_unseen_facets(model%mesh%coordinates, &
         contact%facets(p)%max_depth / MAX_DEPTH_SHARE, contact%facets(p))
@@ -451,8 +453,7 @@ contains
       if (is_start) contact%mortar(p)%has_other_masters = are_shared(contact%shared_slaves, contact%mortar(p)%nodes, &
         allocated(contact%facets(p)%unseen))
       if (present(is_apart)) are_apart = rows_apart(p)
-      call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, SEARCH_RADIUS_RATIO * &
-        contact%edge(p), are_apart)
+      call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, contact%reach(p), are_apart)
     end do
     if (.not. contact%shared_slaves%has_multi_pair_nodes .or. count(is_wanted) < 2) return
     is_shared = is_wanted .and. .not. contact%mortar%has_unique_slaves
@@ -505,8 +506,7 @@ contains
     !> The rows of all pairs that share slave nodes.
     subroutine rebuild()
       do p = 1, size(is_wanted)
-        if (is_shared(p)) call build_rows(contact%mortar(p), contact%facets(p), contact%search(p), x, SEARCH_RADIUS_RATIO * &
-          contact%edge(p))
+        if (is_shared(p)) call build_rows(contact%mortar(p), contact%facets(p), contact%search(p), x, contact%reach(p))
       end do
     end subroutine rebuild
 
@@ -640,7 +640,7 @@ contains
     do s = 1, size(slaves)
       associate (slave => slaves(s), p => slaves(s)%pair)
         if (slave%facet == 0 .and. slave%row == 0 .and. .not. contact%has_fixed_geometry(p)) contact%clearance(s) = &
-          find_clearance(contact%facets(p), contact%search(p), x, x(:, slave%node), SEARCH_RADIUS_RATIO * contact%edge(p))
+          find_clearance(contact%facets(p), contact%search(p), x, x(:, slave%node), contact%reach(p))
         if (slave%facet > 0 .and. slave%row > 0 .and. slave%slave_facet == 0 .and. slave%status == STATUS_OPEN .and. &
           .not. is_compliant(contact%laws(p))) contact%clearance(s) = max(slave%gap, 0.0_DP) * &
           dot_product(slave%normal, contact%mortar(p)%cuts%master_planes(slave%facet)%normal)
@@ -679,7 +679,7 @@ contains
     if (slave%overrides%edge == NODE_OVERRIDE_OFF_MASTER .or. gives_way(slave%overrides)) return
     if (contact%clearance(s) > contact%master_motion(slave%pair) + norm2(x(:, slave%node) - contact%searched_x(:, slave%node))) &
       return
-    call update_projection(contact, x, s, SEARCH_RADIUS_RATIO * contact%edge(slave%pair), slave)
+    call update_projection(contact, x, s, contact%reach(slave%pair), slave)
   end subroutine search_lost_slave
 
 

@@ -4,12 +4,14 @@ module amontons_face_proximity
   use amontons_kinds, only: DP
   use amontons_exterior_surface, only: exterior_type, common_depth, reached_depth, is_thin, has_area
   use amontons_facets, only: facets_type
+  use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: MAX_DEPTH_SHARE
   use amontons_rigid_exterior, only: compare_sheets, SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
   implicit none
   private
   public :: are_near, compare_faces, box_distance, find_active_faces, list_facets, exterior_positions
+  public :: build_face_search, is_larger
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
 
@@ -65,6 +67,30 @@ contains
     real(DP) :: x(3, 2 * size(faces))              !< [length]
     x = reshape(exterior%box(:, :, faces), [3, 2 * size(faces)])
   end function exterior_positions
+
+
+  !> The search for faces near smaller ones: at the centre of a face it finds every larger one (`is_larger`) whose box is within a
+  !! distance of its own box. Small faces find large ones, so that a few large faces cost nothing among many small ones.
+  subroutine build_face_search(exterior, faces, radius, distance, search)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: faces(:)                !< those to find; the search numbers them anew
+    real(DP), intent(in) :: radius                 !< part of the distance over the edge of the larger face [-]
+    real(DP), intent(in) :: distance               !< the other part [length]
+    type(facet_search_type), intent(out) :: search
+    type(facets_type) :: facets
+    call list_facets(size(faces), facets)          ! a box of the smaller face reaches from its centre at most as far as its edge
+    call build_facet_search(facets, exterior_positions(exterior, faces), distance, search, &
+      own_margins=(radius + 1) * exterior%edge_length(faces))
+  end subroutine build_face_search
+
+
+  !> Whether a face is larger than another one, of equal ones the later one: of two faces one is.
+  pure logical function is_larger(exterior, f, m)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: f, m                    !< faces
+    is_larger = exterior%edge_length(f) > exterior%edge_length(m)
+    if (.not. is_larger) is_larger = f > m .and. .not. exterior%edge_length(f) < exterior%edge_length(m)
+  end function is_larger
 
 
   !> Whether two faces of different bodies are near each other.

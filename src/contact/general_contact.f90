@@ -218,6 +218,7 @@ contains
     associate (rules => model%general_contact)
       data%excluded = rules%excluded
       do i = 1, size(model%pairs)
+        if (model%pairs(i)%is_general) cycle
         data%excluded = reshape([data%excluded, model%pairs(i)%slave, model%pairs(i)%master], [2, size(data%excluded, 2) + 1])
       end do
       if (allocated(model%ties)) then

@@ -6,7 +6,7 @@
 module amontons_unpaired_contact
   use amontons_kinds, only: DP
   use amontons_text, only: to_text
-  use amontons_containers, only: integer_list_type, list_groups
+  use amontons_containers, only: integer_list_type, list_groups, owners_of_entries
   use amontons_model, only: model_type
   use amontons_facets, only: facets_type
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -21,6 +21,7 @@ module amontons_unpaired_contact
   implicit none
   private
   public :: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
+  public :: prepare_faces, smallest_width, have_pair, other_side
 
   real(DP), parameter :: TURNED_RATIO = 0.5_DP              !< motion that turns a face by less than 60 degrees, over its edge [-]
   real(DP), parameter :: NEIGHBOUR_RATIO = 1.5_DP           !< nearer faces, over their edge, are neighbours on the surface [-]
@@ -36,6 +37,11 @@ module amontons_unpaired_contact
     type(face_data_type) :: data
     integer, allocatable :: slave_first(:), slave_pair(:)     !< pairs of which each face is a slave, in compressed lists
     integer, allocatable :: master_first(:), master_pair(:)   !< the same for masters
+    integer, allocatable :: node_first(:), node_face(:)       !< faces of which each node is a corner, in compressed lists
+    real(DP), allocatable :: checked_u(:, :)       !< (3, n_nodes) displacements at the last crossing check [length]
+    logical, allocatable :: is_absent(:)           !< (n_elements) removed in the step of the crossing check
+    logical, allocatable :: is_touching(:)         !< (n_nodes) slave nodes that touch at the crossing check
+    logical, allocatable :: may_cross(:, :)        !< (n_bodies, n_bodies) they cross at the start
   end type model_faces_type
 
 contains
@@ -220,8 +226,8 @@ contains
   subroutine prepare_faces(model, faces)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces
-    integer, allocatable :: number(:, :)
-    integer :: f
+    integer, allocatable :: number(:, :), of_entry(:)
+    integer :: f, i
     if (faces%is_ready) return
     call build_model_exterior(model, faces%exterior)
     call collect_face_data(model, faces%exterior, faces%data)
@@ -231,6 +237,15 @@ contains
     end do
     call list_pairs_of_faces(model, number, faces%exterior%n, .true., faces%slave_first, faces%slave_pair)
     call list_pairs_of_faces(model, number, faces%exterior%n, .false., faces%master_first, faces%master_pair)
+    associate (exterior => faces%exterior)
+      of_entry = exterior%nodes
+      do f = 1, exterior%n                         ! mid-sides are left out
+        of_entry(exterior%first(f) + exterior%n_corners(f):exterior%first(f + 1) - 1) = 0
+      end do
+      call list_groups(of_entry, model%mesh%n_nodes, faces%node_first, faces%node_face)
+      of_entry = owners_of_entries(exterior%first)
+      faces%node_face = [(of_entry(faces%node_face(i)), i=1, size(faces%node_face))]
+    end associate
     faces%is_ready = .true.
   end subroutine prepare_faces
 

@@ -36,13 +36,14 @@ module amontons_facet_search
 contains
 
   !> Builds the grids for the facets at coordinates x. Cost: O(n).
-  subroutine build_facet_search(facets, x, margin, search)
+  subroutine build_facet_search(facets, x, margin, search, own_margins)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
     real(DP), value :: margin                      !< search radius, >= 0 [length]
     type(facet_search_type), intent(out) :: search
+    real(DP), intent(in), optional :: own_margins(:)   !< (n) added to the margin of each facet [length]
     search%margin = margin
-    call build_boxes(facets, x, search)
+    call build_boxes(facets, x, search, own_margins)
     if (facets%n == 0) return
     call size_grids(search)
     call fill_buckets(search)
@@ -91,11 +92,12 @@ contains
 
 
   !> The enlarged boxes.
-  subroutine build_boxes(facets, x, search)
+  subroutine build_boxes(facets, x, search, own_margins)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     type(facet_search_type), intent(inout) :: search
-    real(DP) :: low(3), high(3), extent
+    real(DP), intent(in), optional :: own_margins(:)   !< (n) [length]
+    real(DP) :: low(3), high(3), extent, margin
     integer :: f, k
     allocate (search%box(3, 2, facets%n))
     do f = 1, facets%n
@@ -106,8 +108,10 @@ contains
         high = max(high, x(:, facets%nodes(k)))
       end do
       extent = maxval(high - low)
-      search%box(:, 1, f) = low - (search%margin + BOX_ENLARGEMENT * extent)
-      search%box(:, 2, f) = high + (search%margin + BOX_ENLARGEMENT * extent)
+      margin = search%margin + BOX_ENLARGEMENT * extent
+      if (present(own_margins)) margin = margin + own_margins(f)
+      search%box(:, 1, f) = low - margin
+      search%box(:, 2, f) = high + margin
     end do
   end subroutine build_boxes
 

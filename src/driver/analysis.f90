@@ -28,6 +28,7 @@ module amontons_analysis
   use amontons_slave_nodes, only: accumulate_slip
   use amontons_user_element_forces, only: begin_user_elements, user_strain_energy, user_inelastic_work
   use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
+  use amontons_unpaired_crossing, only: find_unpaired_crossing
   use amontons_model_change, only: activate_elements, relieve_elements
   use amontons_model_setup, only: set_up_model
   use amontons_user_routine_setup, only: call_external_databases, handle_user_messages, update_user_amplitudes, &
@@ -475,7 +476,7 @@ contains
 
 
   !> Ends the job where faces have come together that general contact does not know to be near: of two bodies under NLGEOM, or of
-  !! one.
+  !! one; and where bodies have passed through each other without a pair.
   subroutine check_unpaired_contact(analysis, error)
     type(analysis_type), intent(inout) :: analysis !< its faces
     type(error_type), allocatable, intent(out) :: error
@@ -488,6 +489,8 @@ contains
       else
         call find_unpaired_self_contact(analysis%model, faces, now%u, 0 * now%v, message)
       end if
+      if (message == '') call find_unpaired_crossing(analysis%model, faces, now%slaves, now%u, &
+        now%time_increment * now%v, max(1, analysis%stepping%step), message)
     end associate
     if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
   end subroutine check_unpaired_contact

@@ -258,7 +258,7 @@ contains
       if (any(model%steps(i)%prescribed%is_velocity)) largest = huge(largest)   ! where it leads is not followed
       if (size(model%steps(i)%concentrated) + size(model%steps(i)%distributed) > 0) largest = huge(largest)   ! forces: no limit
     end do
-    can_close_later = largest > 0.0_DP .and. largest >= norm2(apart) - SEARCH_RADIUS_RATIO * contact%edge(p)
+    can_close_later = largest > 0.0_DP .and. largest >= norm2(apart) - contact%reach(p)
   end function can_close_later
 
 

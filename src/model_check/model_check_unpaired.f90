@@ -15,11 +15,10 @@ module amontons_model_check_unpaired
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_surfaces, only: surface_type
   use amontons_exterior_surface, only: exterior_type
-  use amontons_facets, only: facets_type
-  use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
+  use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_general_contact, only: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, &
     compare_sides, body_name, TOUCHING_RADIUS
-  use amontons_face_proximity, only: are_near, list_facets, exterior_positions
+  use amontons_face_proximity, only: are_near, build_face_search, is_larger
   use amontons_model_check_bodies, only: report_warning
   implicit none
   private
@@ -100,24 +99,22 @@ contains
   end subroutine find_touching_bodies
 
 
-  !> Pairs of faces that meet: each face with those of other bodies near its centre.
+  !> Pairs of faces that meet: each face with the larger ones of other bodies near its centre.
   subroutine find_touching_faces(exterior, data, own, other)
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
     type(integer_list_type), intent(out) :: own, other
-    type(facets_type) :: facets
     type(facet_search_type) :: search
     integer, allocatable :: list(:)
     integer :: f, i, k, n
-    call list_facets(exterior%n, facets)
-    call build_facet_search(facets, exterior_positions(exterior, [(f, f=1, exterior%n)]), &
-      OVERLAP_RADIUS * maxval(exterior%edge_length), search)
+    call build_face_search(exterior, [(f, f=1, exterior%n)], OVERLAP_RADIUS, 0.0_DP, search)
     do f = 1, exterior%n
       call find_near_facets(search, exterior%centre(:, f), list, n)
       do k = 1, n
         i = list(k)
-        if (exterior%body(i) == exterior%body(f) .or. (data%is_rigid(f) .and. data%is_rigid(i))) cycle
-        if (.not. do_touch(exterior, f, i)) cycle
+        if (exterior%body(i) == exterior%body(f) .or. .not. is_larger(exterior, i, f)) cycle
+        if (data%is_rigid(f) .and. data%is_rigid(i)) cycle
+        if (.not. (do_touch(exterior, f, i) .or. do_touch(exterior, i, f))) cycle
         call own%add(f)
         call other%add(i)
       end do

@@ -19,7 +19,7 @@ module amontons_active_set_cycling
   use amontons_active_set_history, only: active_set_history_type, find_cycle, cycling_slaves, find_least_merit, last_facet, &
     HISTORY_DEPTH
   use amontons_surface_projection, only: projection_type, find_edge_excess, PROJECTION_INSIDE
-  use amontons_contact_pairs, only: contact_type, find_slave_projection, SEARCH_RADIUS_RATIO
+  use amontons_contact_pairs, only: contact_type, find_slave_projection
   implicit none
   private
   public :: break_cycle, release_frozen_nodes, extend_master_edges, facet_track_type
@@ -165,7 +165,7 @@ contains
     do s = 1, size(slaves)
       if (slaves(s)%overrides%edge /= NODE_OVERRIDE_OFF_MASTER) cycle
       associate (p => slaves(s)%pair)
-        call find_slave_projection(contact, x, s, SEARCH_RADIUS_RATIO * contact%edge(p), slaves(s), projection)
+        call find_slave_projection(contact, x, s, contact%reach(p), slaves(s), projection)
         if (projection%status /= PROJECTION_INSIDE .or. projection%gap + slaves(s)%offset >= 0.0_DP) cycle
         if (maxval(find_edge_excess(contact%facets(p)%kind(projection%facet), projection%xi)) > &
           -controls%min_depth_in_facet) cycle

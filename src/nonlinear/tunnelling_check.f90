@@ -9,7 +9,7 @@ module amontons_tunnelling_check
   use amontons_analytic_master, only: evaluate_profile_bending
   use amontons_contact_pairs, only: contact_type, current_row, SEARCH_RADIUS_RATIO
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
-  use amontons_tensor, only: cross_product
+  use amontons_facet_crossing, only: plane_normal, is_inside_facet
   use amontons_facets, only: facets_type, facet_nodes, is_line_facet, is_unseen
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_element_kinds, only: MAX_FACE_NODES, FACET_TRI3, FACET_TRI6
@@ -219,23 +219,6 @@ contains
   end function projects_on_facets
 
 
-  !> Outward unit normal of the mean plane of the corners; 0 for zero area [-].
-  pure function plane_normal(corner, is_edge) result(normal)
-    real(DP), intent(in) :: corner(:, :)           !< (3, n) [length]
-    logical, intent(in) :: is_edge                 !< the facet is a line with two ends
-    real(DP) :: normal(3)
-    integer :: n
-    n = size(corner, 2)
-    if (is_edge) then
-      normal = cross_product(corner(:, 2) - corner(:, 1), [0.0_DP, 0.0_DP, 1.0_DP])
-    else
-      normal = cross_product(corner(:, 3) - corner(:, 1), corner(:, n) - corner(:, 2))
-      if (n == 3) normal = cross_product(corner(:, 2) - corner(:, 1), corner(:, 3) - corner(:, 1))
-    end if
-    normal = normal / max(norm2(normal), tiny(1.0_DP))
-  end function plane_normal
-
-
   !> Number of corners of a facet.
   pure integer function n_corners(kind)
     integer, intent(in) :: kind                    !< FACET_...
@@ -243,26 +226,5 @@ contains
     if (kind == FACET_TRI3 .or. kind == FACET_TRI6) n_corners = 3
     if (is_line_facet(kind)) n_corners = 2
   end function n_corners
-
-
-  !> Whether a point in the plane of a facet lies within its corners.
-  pure logical function is_inside_facet(point, corner, normal, is_edge)
-    real(DP), intent(in) :: point(3)               !< [length]
-    real(DP), intent(in) :: corner(:, :)           !< (3, n) [length]
-    real(DP), intent(in) :: normal(3)              !< [-]
-    logical, intent(in) :: is_edge                 !< the facet is a line with two ends
-    real(DP) :: side(3)
-    integer :: k
-    if (is_edge) then
-      side = corner(:, 2) - corner(:, 1)
-      is_inside_facet = abs(dot_product(point - 0.5_DP * (corner(:, 1) + corner(:, 2)), side)) <= 0.5_DP * dot_product(side, side)
-      return
-    end if
-    is_inside_facet = .true.
-    do k = 1, size(corner, 2)
-      side = corner(:, mod(k, size(corner, 2)) + 1) - corner(:, k)
-      is_inside_facet = is_inside_facet .and. dot_product(normal, cross_product(side, point - corner(:, k))) >= 0.0_DP
-    end do
-  end function is_inside_facet
 
 end module amontons_tunnelling_check

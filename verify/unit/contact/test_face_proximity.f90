@@ -4,7 +4,9 @@ program test_face_proximity
   use amontons_kinds, only: DP
   use amontons_exterior_surface, only: exterior_type
   use amontons_facets, only: facets_type
-  use amontons_face_proximity, only: are_near, compare_faces, box_distance, find_active_faces, list_facets, exterior_positions
+  use amontons_facet_search, only: facet_search_type, find_near_facets
+  use amontons_face_proximity, only: are_near, compare_faces, box_distance, find_active_faces, list_facets, exterior_positions, &
+    build_face_search, is_larger
   use amontons_rigid_exterior, only: SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
   use check, only: suite_type
   implicit none
@@ -91,6 +93,9 @@ contains
     type(exterior_type) :: squares
     type(facets_type) :: facets
     logical, allocatable :: is_active(:)
+    type(facet_search_type) :: search
+    integer, allocatable :: list(:)
+    integer :: n
     squares = two_squares(4.0_DP, 4.0_DP, 1.0_DP, 1.0_DP)
     call suite%near('diagonal', box_distance(squares%box(:, :, 1), squares%box(:, :, 2)), 5.0_DP, TOL)
     call find_active_faces(squares, 4.9_DP, is_active)
@@ -102,6 +107,16 @@ contains
     call suite%that('without area', .not. is_active(1) .and. is_active(2))
     call list_facets(2, facets)
     call suite%that('two nodes each', facets%n == 2 .and. all(facets%first == [1, 3, 5]))
+    call build_face_search(squares, [1, 2], 0.0_DP, 4.0_DP, search)
+    call find_near_facets(search, squares%centre(:, 1), list, n)
+    call suite%that('within a distance', n == 2)
+    squares%edge_length(2) = 0.1_DP              ! only its own size widens the box of a face
+    call build_face_search(squares, [1, 2], 3.5_DP, 0.0_DP, search)
+    call find_near_facets(search, squares%centre(:, 2), list, n)
+    call suite%that('the large one, from the small one', all(list(:n) == [1, 2]))
+    call find_near_facets(search, squares%centre(:, 1), list, n)
+    call suite%that('but not the other way', all(list(:n) == [1]))
+    call suite%that('of two faces one is larger', is_larger(squares, 1, 2) .and. .not. is_larger(squares, 2, 1))
     call suite%that('corners of boxes', all(abs(exterior_positions(squares, [2]) - squares%box(:, :, 2)) <= 0.0_DP))
   end subroutine check_boxes
 

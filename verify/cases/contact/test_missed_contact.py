@@ -1,0 +1,176 @@
+"""General contact loses no contact: bodies touch, or the job says which two passed through each other and fails.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import product
+from pathlib import Path
+
+import pytest
+
+from verify.conftest import Run
+
+YOUNG = 1000.0
+NOT_CONVERGED = 5  #: exit status of a job that ends early
+ROUNDING = 1e-5  #: the .dat file has seven digits, a rigid element a millionth of depth
+MATERIALS = f"*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, 0.\n"
+GENERAL = "*CONTACT, TYPE={}\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+Point = tuple[float, float, float]
+
+
+def grid(first: int, counts: tuple[int, int, int], low: Point, high: Point) -> tuple[str, dict[tuple[int, ...], int]]:
+    """The nodes of a box, and the number of each by its place along the axes."""
+    places = list(product(*(range(n + 1) for n in counts)))
+    number = {place: first + k for k, place in enumerate(places)}
+    lines = [[low[i] + (high[i] - low[i]) * place[i] / max(counts[i], 1) for i in range(3)] for place in places]
+    return "*NODE\n" + "".join(f"{first + k}, {', '.join(map(str, x))}\n" for k, x in enumerate(lines)), number
+
+
+def block(name: str, first: int, counts: tuple[int, int, int], low: Point, high: Point) -> str:
+    """A box of C3D8 with node sets of its ends: NAME with X0, X1, Z0, Z1."""
+    text, number = grid(first, counts, low, high)
+    text += f"*ELEMENT, TYPE=C3D8, ELSET={name}\n"
+    for k, (a, b, c) in enumerate(product(*map(range, counts))):
+        corners = [number[a + i, b + j, c + h] for h in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        text += f"{first + k}, {', '.join(map(str, corners))}\n"
+    for axis, end in ((0, 0), (0, 1), (2, 0), (2, 1)):
+        nodes = [label for place, label in number.items() if place[axis] == end * counts[axis]]
+        text += f"*NSET, NSET={name}{'XYZ'[axis]}{end}\n" + "".join(f"{label},\n" for label in nodes)
+    return text + f"*SOLID SECTION, ELSET={name}, MATERIAL=M\n"
+
+
+def sheet(first: int, counts: tuple[int, int, int], low: Point, high: Point) -> str:
+    """The sheet S of rigid elements, a box of which one side is zero; its reference node is 9000."""
+    text, number = grid(first, counts, low, high)
+    along = [i for i in range(3) if counts[i] > 0]
+    text += "*ELEMENT, TYPE=R3D4, ELSET=S\n"
+    for k, (a, b) in enumerate(product(range(counts[along[0]]), range(counts[along[1]]))):
+        place = [0, 0, 0]
+        corners = []
+        for i, j in ((0, 0), (1, 0), (1, 1), (0, 1)):
+            place[along[0]], place[along[1]] = a + i, b + j
+            corners.append(number[tuple(place)])
+        text += f"{first + k}, {', '.join(map(str, corners))}\n"
+    return text + f"*NODE\n9000, {', '.join(map(str, low))}\n*RIGID BODY, ELSET=S, REF NODE=9000\n"
+
+
+def job(bodies: str, supports: str, *, is_nlgeom: bool, first_increment: float = 0.25, kind: str = "SURFACE TO SURFACE", rules: str = "",
+        printed: str = "BZ0") -> str:  # fmt: skip
+    """A deck of one step."""
+    text = MATERIALS + bodies + GENERAL.format(kind) + rules + f"*STEP{', NLGEOM' if is_nlgeom else ''}, INC=50\n"
+    text += f"*STATIC\n{first_increment}, 1.\n*BOUNDARY\n{supports}*NODE PRINT, NSET={printed}, TOTALS=ONLY\nRF\n*END STEP\n"
+    return text
+
+
+def force(folder: Path) -> float:
+    """The last total force along z of the .dat file."""
+    return float(re.findall(r"total force.*?\n\s*\n\s*\S+\s+\S+\s+(\S+)", (folder / "job.dat").read_text())[-1])
+
+
+CUBE = block("B", 1, (4, 4, 4), (0, 0, 0), (1, 1, 1))
+UPRIGHT = {  # a sheet that moves down into the top of the cube with its edge: as wide as it, or within it
+    "wide": sheet(1001, (0, 2, 2), (0.45, -0.25, 1.05), (0.45, 1.25, 2.05)),
+    "narrow": sheet(1001, (0, 6, 4), (0.45, 0.2, 1.05), (0.45, 0.8, 2.05)),
+}
+DOWN = "BZ0, 1, 3\n9000, 1, 2\n9000, 4, 6\n9000, 3, 3, {}\n"
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize(("way", "first"), [(0.1, 0.25), (0.5, 1.0), (2.5, 1.0)])
+@pytest.mark.parametrize("width", UPRIGHT)
+def test_edge_of_sheet(run_deck: Run, width: str, way: float, first: float, *, is_nlgeom: bool) -> None:
+    """The edge of a sheet touches nothing: the job names both bodies and fails, even if the sheet is through in one increment."""
+    done = run_deck(job(CUBE + UPRIGHT[width], DOWN.format(-way), is_nlgeom=is_nlgeom, first_increment=first))
+    assert done.returncode == NOT_CONVERGED
+    said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    crossing = r"element \d+ of (B passed through element \d+ of S|S passed through element \d+ of B),"
+    assert re.search(crossing, said) or "FREE BODY: where contact is left, the body of element" in said, said  # the sides may hold the sheet
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_body_against_edge(run_deck: Run, *, is_nlgeom: bool) -> None:
+    """A body is moved into the edge of a sheet that lies."""
+    lying = sheet(1001, (4, 4, 0), (1.05, -0.2, 0.55), (2.05, 1.2, 0.55))
+    done = run_deck(job(CUBE + lying, "BX0, 2, 3\nBX0, 1, 1, 0.3\n9000, 1, 6\n", is_nlgeom=is_nlgeom))
+    assert done.returncode == NOT_CONVERGED
+    assert "no contact keeps them apart" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_excluded_sheet(run_deck: Run, *, is_nlgeom: bool) -> None:
+    """Bodies that are named in the exclusions may pass each other."""
+    rules = "*SURFACE, NAME=CUBE\nB,\n*SURFACE, NAME=SIDES\nS, SPOS\nS, SNEG\n"
+    deck = job(CUBE + UPRIGHT["narrow"] + rules, DOWN.format(-0.5), is_nlgeom=is_nlgeom, rules="*CONTACT EXCLUSIONS\nCUBE, SIDES\n")
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_sheet_between_bodies(run_deck: Run, tmp_path: Path) -> None:
+    """A body pushes an upright sheet sideways onto another one: both cubes share what the gaps leave of the way, k = E A / l."""
+    gap, way = 0.05, 0.15
+    bodies = block("B", 1, (2, 2, 2), (0, 0, 0), (1, 1, 1)) + block("D", 201, (2, 2, 2), (1 + 2 * gap, 0, 0), (2 + 2 * gap, 1, 1))
+    bodies += sheet(1001, (0, 4, 4), (1 + gap, -0.2, -0.2), (1 + gap, 1.2, 1.2))
+    supports = f"BX0, 2, 3\nBX0, 1, 1, {way}\nDX1, 1, 3\n9000, 2, 6\n"
+    done = run_deck(job(bodies, supports, is_nlgeom=False, printed="DX1"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    pushed = re.findall(r"total force.*?\n\s*\n\s*(\S+)", (tmp_path / "job.dat").read_text())[-1]
+    assert float(pushed) == pytest.approx(-YOUNG / 2 * (way - 2 * gap), rel=ROUNDING)
+
+
+RIGID = "*NODE\n9000, .5, .5, 0.\n*RIGID BODY, ELSET=B, REF NODE=9000\n"
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("kind", ["SURFACE TO SURFACE", "NODE TO SURFACE"])
+def test_fine_master(run_deck: Run, tmp_path: Path, kind: str, *, is_nlgeom: bool) -> None:
+    """A coarse cube comes from seven edges of a fine rigid master: beyond three of them, within three of its own. F = E A d / l."""
+    gap, depth = 0.5, 0.003
+    bodies = block("B", 1, (20, 20, 1), (-0.2, -0.2, 0), (1.2, 1.2, 0.2)) + RIGID
+    bodies += block("U", 5001, (1, 1, 1), (0, 0, 0.2 + gap), (1, 1, 1.2 + gap))
+    supports = f"9000, 1, 6\nUZ1, 1, 2\nUZ1, 3, 3, {-gap - depth}\n"
+    done = run_deck(job(bodies, supports, is_nlgeom=is_nlgeom, kind=kind, printed="UZ1"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert force(tmp_path) == pytest.approx(-YOUNG * depth, rel=4 * depth if is_nlgeom else ROUNDING), "NLGEOM: E times a larger strain"
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_post_between_slave_nodes(run_deck: Run, tmp_path: Path, *, is_nlgeom: bool) -> None:
+    """A rigid post passes between the nodes of a coarse slave: contact at nodes cannot see it and says so, mortar contact can."""
+    bodies = block("B", 1, (10, 10, 1), (0.3, 0.3, 0), (0.7, 0.7, 0.2)) + RIGID
+    bodies += block("U", 5001, (1, 1, 1), (0, 0, 0.22), (1, 1, 1.22))
+    supports = "9000, 1, 6\nUZ1, 1, 2\nUZ1, 3, 3, -0.05\n"
+    done = run_deck(job(bodies, supports, is_nlgeom=is_nlgeom, kind="NODE TO SURFACE"))
+    assert done.returncode == NOT_CONVERGED
+    assert "TYPE=SURFACE TO SURFACE looks at their faces" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    done = run_deck(job(bodies, supports, is_nlgeom=is_nlgeom, printed="UZ1"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert force(tmp_path) == pytest.approx(-YOUNG * 0.03, rel=0.1), "the face is held in the mean"
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_long_way(run_deck: Run, tmp_path: Path, *, is_nlgeom: bool) -> None:
+    """From beyond the search a body comes with NLGEOM; without it the job does not end as if there were nothing between."""
+    gap, depth = 1.5, 0.003
+    bodies = CUBE + block("U", 5001, (4, 4, 4), (0, 0, 1 + gap), (1, 1, 2 + gap))
+    way = gap + (2 * depth if is_nlgeom else 0.1)
+    done = run_deck(job(bodies, f"BZ0, 1, 3\nUZ1, 1, 2\nUZ1, 3, 3, {-way}\n", is_nlgeom=is_nlgeom, printed="UZ1"))
+    if is_nlgeom:
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert force(tmp_path) == pytest.approx(-YOUNG * depth, rel=4 * depth), "of two cubes"
+    else:
+        assert done.returncode == NOT_CONVERGED
+        assert "give NLGEOM on *STEP" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_soft_contact_at_a_border(run_deck: Run, *, is_nlgeom: bool) -> None:
+    """A body is pressed in by a fifth of an edge, as its soft law allows, over the border of the other one: nothing passed through."""
+    bodies = CUBE + block("U", 5001, (3, 3, 3), (0.35, 0.2, 1), (0.95, 0.8, 1.6)) + block("V", 6001, (3, 3, 3), (-0.35, 0.2, 1), (0.25, 0.8, 1.6))
+    bodies += "*SURFACE INTERACTION, NAME=SOFT\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n200.\n"
+    supports = "BZ0, 1, 3\nUZ1, 1, 2\nUZ1, 3, 3, -0.05\nVZ1, 1, 2\nVZ1, 3, 3, -0.05\n"
+    rules = "*CONTACT PROPERTY ASSIGNMENT\n, , SOFT\n"
+    done = run_deck(job(bodies, supports, is_nlgeom=is_nlgeom, rules=rules))
+    assert done.returncode == 0, done.stdout + done.stderr
