@@ -136,7 +136,7 @@ static const char *const CAUSES[N_SIGNALS] = {
   "it was aborted (often by memory overwritten before)"};
 static struct sigaction handlers_before[N_SIGNALS];
 static int n_open_libraries, is_exit_watched;
-static _Thread_local char signal_stack[STACK_SIZE];
+static _Thread_local _Alignas(16) char signal_stack[STACK_SIZE];
 static _Thread_local int has_signal_stack;
 static pthread_mutex_t handlers_lock = PTHREAD_MUTEX_INITIALIZER;
 

@@ -687,6 +687,7 @@ contains
     do first = 1, n, int(N_PIECE, I64)
       last = min(first + N_PIECE - 1, n)
       n_now = last - first + 1
+      has_values = .false.                           ! set below, or by the word read
       if (packer%is_packing) then
         words(:n_now) = transfer(values(first:last), words(:n_now))
         has_values = any(words(:n_now) /= 0_I64)     ! bits: -0 is a value
