@@ -18,7 +18,7 @@ module amontons_deck_shell_stiffness
 contains
 
   !> Three lines of eight, eight and five numbers: the upper triangle of the 6 x 6 stiffness, column by column. The section gets
-  !! three layers of new materials.
+  !! layers of new materials.
   subroutine read_shell_stiffness(reader, c, parameters, row, section, model)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card

@@ -8,7 +8,7 @@ module amontons_deck_user_elements
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, read_integer, is_card
   use amontons_element_drafts, only: element_draft_type, NOT_GIVEN
   use amontons_element_kinds, only: KIND_USER, MAX_ELEMENT_NODES
-  use amontons_mesh, only: append_nodes
+  use amontons_mesh, only: mesh_type, append_nodes
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, SOLVER_GRADIENTS
   use amontons_text, only: to_text, plural, parse_integer, NUMBER_OK
@@ -358,6 +358,7 @@ contains
     integer :: e, i, memory
     if (.not. allocated(model%user_elements)) return
     drafts = pack([(e, e=1, draft%n)], draft%user_kind > 0 .and. draft%mesh_index > 0)
+    drafts = pack(drafts, [(has_all_nodes(model%mesh, draft%mesh_index(drafts(i))), i=1, size(drafts))])
     if (size(drafts) == 0) then
       deallocate (model%user_elements)
       return
@@ -378,6 +379,14 @@ contains
     end do
     model%user_elements%n_memory = memory
   end subroutine connect_user_elements
+
+
+  !> Whether the deck defines all nodes of an element; else an error was reported.
+  pure logical function has_all_nodes(mesh, e)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                     !< element
+    has_all_nodes = all(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1) > 0)
+  end function has_all_nodes
 
 
   !> Reports what a step with user elements cannot be.

@@ -10,7 +10,7 @@ module amontons_model_check_bodies
   use amontons_mesh, only: mesh_type, find_connected_nodes, wall_ratios
   implicit none
   private
-  public :: body_type, bodies_type, find_bodies, weigh_bodies, body_name
+  public :: body_type, bodies_type, find_bodies, weigh_bodies, mean_element_sizes, body_name
   public :: report_error, report_warning, label_list, step_list, join_item, counted_noun
 
   !> Elements connected by their nodes, or one node without elements that occurs in an equation.
@@ -106,13 +106,12 @@ contains
     integer, intent(in) :: step                    !< whose materials count: index into model%steps
     type(bodies_type), intent(inout) :: bodies     !< as found in this step
     real(DP) :: volume
-    integer :: e, m, status
+    integer :: e, m
     associate (mesh => model%mesh)
       do e = 1, mesh%n_elements
         if (bodies%of_element(e) == 0) cycle
-        associate (body => bodies%list(bodies%of_element(e)), nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
-          call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
-            wall_ratios(mesh, e))
+        associate (body => bodies%list(bodies%of_element(e)))
+          volume = volume_of(mesh, e)
           body%volume = body%volume + volume
           if (mesh%kind(e) == KIND_MASS) body%mass = body%mass + mesh%section_value(e)
           m = material_in_step(model, step, e)
@@ -121,6 +120,32 @@ contains
       end do
     end associate
   end subroutine weigh_bodies
+
+
+  !> The mean size of the elements of each body: the edge of a cube of their mean volume [length].
+  pure function mean_element_sizes(mesh, bodies) result(sizes)
+    type(mesh_type), intent(in) :: mesh
+    type(bodies_type), intent(in) :: bodies
+    real(DP) :: sizes(bodies%n)
+    integer :: e
+    sizes = 0
+    do e = 1, mesh%n_elements
+      if (bodies%of_element(e) > 0) sizes(bodies%of_element(e)) = sizes(bodies%of_element(e)) + volume_of(mesh, e)
+    end do
+    sizes = (sizes / real(max(1, bodies%list%n_elements), DP))**(1.0_DP / 3.0_DP)
+  end function mean_element_sizes
+
+
+  !> The volume of an element [length^3].
+  pure real(DP) function volume_of(mesh, e) result(volume)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element
+    integer :: status
+    associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+      call evaluate_element_volume(mesh%kind(e), mesh%coordinates(:, nodes), mesh%section_value(e), volume, status, &
+        wall_ratios(mesh, e))
+    end associate
+  end function volume_of
 
 
   !> Names each body after the first element set of the deck that is exactly this body, if any.

@@ -23,8 +23,8 @@ module amontons_model_check_motion
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
   use amontons_containers, only: find_root, unite_trees
-  use amontons_model_check_bodies, only: step_list, join_item, body_type, bodies_type, body_name, &
-    find_bodies
+  use amontons_model_check_bodies, only: step_list, join_item, body_type, bodies_type, body_name, find_bodies, &
+    mean_element_sizes
   use amontons_model_check_contact, only: is_closed, can_close_later
   use amontons_motion_rows, only: bases_type, rows_type, motion_matrix_type, allocate_rows, end_row, build_matrix, &
     find_scaled_null_space
@@ -40,6 +40,7 @@ module amontons_model_check_motion
 
   ! Supports on a line whose coordinates are rounded by 1 are up to sqrt(2) off it, and the line that fits them best as far again.
   real(DP), parameter :: MAX_OFFSET_OF_ROUNDED = 2 * sqrt(2.0_DP)
+  real(DP), parameter :: MAX_ROUNDING_IN_EDGE = 3.0e-4_DP   !< over the mean size of the elements: no two nodes are that near [-]
 
   ! Kinds of findings.
   integer, parameter :: FINDING_FREE = 1           !< no restraint
@@ -264,14 +265,21 @@ contains
     real(DP), intent(in) :: eigenvalues(:, :)      !< (6, n_bodies) of the Gram matrices, ascending
     type(bases_type), intent(inout) :: bases       !< with all six eigenvectors of each body
     real(DP), allocatable :: slack(:)              ! (n_bodies) of the displacement of a support [-]
-    integer :: n_candidates(bodies%n), i, b
-    real(DP) :: row(6)
+    real(DP), allocatable :: element_size(:)       ! (n_bodies) [length]
+    integer :: n_candidates(bodies%n), i, b, k
+    real(DP) :: row(6), rounding
     allocate (slack(bodies%n), source=0.0_DP)
     n_candidates = 0
     do b = 1, bodies%n
       if (bodies%list(b)%n_elements == 0 .or. n_rows(b) == 0) cycle
-      slack(b) = MAX_OFFSET_OF_ROUNDED * coordinate_rounding(model%mesh%coordinates, bodies%list(b)) / bodies%list(b)%size
-      n_candidates(b) = max(bases%n(b), count(eigenvalues(:, b) <= real(n_rows(b), DP) * slack(b)**2))
+      rounding = coordinate_rounding(model%mesh%coordinates, bodies%list(b))
+      do k = 1, 2                                  ! with the sizes of the elements only if it counts
+        slack(b) = MAX_OFFSET_OF_ROUNDED * rounding / bodies%list(b)%size
+        n_candidates(b) = max(bases%n(b), count(eigenvalues(:, b) <= real(n_rows(b), DP) * slack(b)**2))
+        if (n_candidates(b) == bases%n(b) .or. k == 2) exit
+        if (.not. allocated(element_size)) element_size = mean_element_sizes(model%mesh, bodies)
+        rounding = min(rounding, MAX_ROUNDING_IN_EDGE * element_size(b))
+      end do
     end do
     if (all(n_candidates <= bases%n)) return
     do i = 1, size(step%prescribed)
@@ -291,13 +299,12 @@ contains
 
 
   !> How far the coordinates of a body may be rounded [length]: half a unit of their last digit if they have four to six digits or
-  !! few decimals, else of the seventh digit. At most a small part of the mean size of its elements.
+  !! few decimals, else of the seventh digit.
   pure real(DP) function coordinate_rounding(x, body) result(rounding)
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes)
     type(body_type), intent(in) :: body
     integer, parameter :: MIN_DIGITS = 4, MAX_DIGITS = 6, MAX_SAMPLED_NODES = 1000
     real(DP), parameter :: SINGLE = 5.0e-7_DP      ! half a unit of the seventh digit [-]
-    real(DP), parameter :: EDGE_PART = 3.0e-4_DP   ! of the size of an element: no two nodes are that near [-]
     real(DP) :: largest, written
     integer :: digits, stride
     largest = max(maxval(abs(body%low)), maxval(abs(body%high)))
@@ -309,7 +316,6 @@ contains
       rounding = max(rounding, 0.5_DP * written)
       exit
     end do
-    rounding = min(rounding, EDGE_PART * (body%volume / real(body%n_elements, DP))**(1.0_DP / 3.0_DP))
   end function coordinate_rounding
 
 

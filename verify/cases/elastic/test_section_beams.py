@@ -185,3 +185,14 @@ def test_channel(run_deck: Run, tmp_path: Path, at_shear_centre: bool) -> None:
     torsion = (2 * b + h) * t**3 / 3
     expected = 0.0 if at_shear_centre else force * e * LENGTH / (G * torsion)
     assert turn == pytest.approx(expected, abs=1e-6 * force * e * LENGTH / (G * torsion))
+
+
+def test_missing_node(run_deck: Run) -> None:
+    """A beam by its section with a node that the deck does not define is an error of the deck."""
+    done = run_deck(
+        "*NODE\n1, 0., 0., 0.\n*ELEMENT, TYPE=B31, ELSET=E\n1, 1, 2\n*MATERIAL, NAME=M\n*ELASTIC\n210000., 0.3\n"
+        "*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=I\n100., 200., 100., 100., 8.5, 8.5, 5.6\n0., 1., 0.\n"
+        "*STEP\n*STATIC\n*BOUNDARY\n1, ENCASTRE\n*END STEP\n"
+    )
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "There is no node 2." in done.stdout + done.stderr
