@@ -169,8 +169,11 @@ contains
     real(DP), intent(in) :: x(:, :), du(:, :)      !< (3, n_nodes) [length]
     integer :: k, n, ends(2)
     real(DP) :: corner(3, 4), point(3), motion(3), least, depth
+    real(DP) :: mean_depth                         ! at which a mortar pair may be open [length]
     logical :: is_crossed
     least = MIN_CROSSING * min(now%edge_length(f), now%edge_length(m))
+    mean_depth = -huge(1.0_DP)
+    if (rules%is_mortar) mean_depth = MAX_MEAN_DEPTH * max(now%edge_length(f), now%edge_length(m))
     associate (own => now%nodes(now%first(f):now%first(f) + now%n_corners(f) - 1), &
       nodes => now%nodes(now%first(m):now%first(m) + now%n_corners(m) - 1))
       n = size(nodes)
@@ -184,14 +187,12 @@ contains
           depth = min(depth_through(faces, now, m, ends, x), depth_through(faces, now, f, nodes, x))
           is_crossed = depth >= least
         end if
-        if (is_crossed) is_crossed = .not. is_known(rules, faces, now, ends, m, point, rules%is_mortar .and. depth &
-          <= MAX_MEAN_DEPTH * max(now%edge_length(f), now%edge_length(m)))
+        if (is_crossed) is_crossed = .not. is_known(rules, faces, now, ends, m, point, depth <= mean_depth)
         if (is_crossed) return
         if (norm2(du(:, own(k)) - motion) < least) cycle
         call cross_on_path(corner(:, :n), x(:, own(k)), du(:, own(k)) - motion, least, is_crossed, point)
         depth = dot_product(now%normal(:, m), now%centre(:, m) - x(:, own(k)))
-        if (is_crossed) is_crossed = .not. is_known(rules, faces, now, [own(k), own(k)], m, point, rules%is_mortar .and. depth &
-          <= MAX_MEAN_DEPTH * max(now%edge_length(f), now%edge_length(m)))
+        if (is_crossed) is_crossed = .not. is_known(rules, faces, now, [own(k), own(k)], m, point, depth <= mean_depth)
         if (is_crossed) return
       end do
       has_crossed = .false.

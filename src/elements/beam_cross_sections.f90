@@ -117,24 +117,12 @@ contains
     real(DP), intent(in) :: thickness(:)           !< (walls) [length]
     type(cross_section_type), intent(out) :: section
     integer, intent(out) :: status                 !< WALLS_...
-    real(DP) :: length(size(thickness)), from(2), to(2), second(2, 2), cell
-    integer :: k
+    real(DP) :: length(size(thickness)), x(2, size(thickness) + 1), second(2, 2), cell
     status = wall_status(points, thickness)
     if (status /= WALLS_OK) return
-    length = norm2(points(:, 2:) - points(:, :size(thickness)), 1)
-    section%area = sum(length * thickness)
-    do k = 1, 2
-      section%centroid(k) = sum(length * thickness * (points(k, :size(thickness)) + points(k, 2:))) / (2 * section%area)
-    end do
-    second = 0
-    cell = 0
-    do k = 1, size(thickness)
-      from = points(:, k) - section%centroid
-      to = points(:, k + 1) - section%centroid
-      second = second + length(k) * thickness(k) / 6 * (2 * outer_product(from, from) + 2 * outer_product(to, to) + &
-        outer_product(from, to) + outer_product(to, from))
-      cell = cell + 0.5_DP * (from(1) * to(2) - from(2) * to(1))
-    end do
+    call measure_walls(points, thickness, length, section%area, section%centroid, second)
+    x = points - spread(section%centroid, 2, size(points, 2))
+    cell = 0.5_DP * sum(x(1, :size(thickness)) * x(2, 2:) - x(2, :size(thickness)) * x(1, 2:))
     section%about = [second(2, 2), second(1, 1)]
     section%product = second(1, 2)
     section%torsion = sum(length * thickness**3) / 3
@@ -207,12 +195,8 @@ contains
     real(DP) :: second(2, 2), moment(2), determinant
     integer :: k, n
     n = size(thickness)
-    length = norm2(points(:, 2:) - points(:, :n), 1)
-    area = sum(length * thickness)
-    do k = 1, 2
-      center(k) = sum(length * thickness * (points(k, :n) + points(k, 2:))) / (2 * area)
-      x(k, :) = points(k, :) - center(k)
-    end do
+    call measure_walls(points, thickness, length, area, center, second)
+    x = points - spread(center, 2, n + 1)
     flow = 0
     if (is_cell(points)) flow = sum(x(1, :n) * x(2, 2:) - x(2, :n) * x(1, 2:)) / sum(length / thickness)
     warping(1) = 0
@@ -220,20 +204,41 @@ contains
       warping(k + 1) = warping(k) + x(1, k) * x(2, k + 1) - x(2, k) * x(1, k + 1)
       if (abs(flow) > 0) warping(k + 1) = warping(k + 1) - flow * length(k) / thickness(k)
     end do
-    second = 0
     moment = 0
     do k = 1, n
-      associate (weight => length(k) * thickness(k) / 6)
-        second = second + weight * (2 * outer_product(x(:, k), x(:, k)) + 2 * outer_product(x(:, k + 1), x(:, k + 1)) + &
-          outer_product(x(:, k), x(:, k + 1)) + outer_product(x(:, k + 1), x(:, k)))
-        moment = moment + weight * (warping(k) * (2 * x(:, k) + x(:, k + 1)) + warping(k + 1) * (x(:, k) + 2 * x(:, k + 1)))
-      end associate
+      moment = moment + length(k) * thickness(k) / 6 * (warping(k) * (2 * x(:, k) + x(:, k + 1)) + &
+        warping(k + 1) * (x(:, k) + 2 * x(:, k + 1)))
     end do
     determinant = second(1, 1) * second(2, 2) - second(1, 2)**2
     if (.not. determinant > 1.0e-12_DP * (second(1, 1) + second(2, 2))**2) return
     center = center + [second(1, 1) * moment(2) - second(1, 2) * moment(1), &
       second(1, 2) * moment(2) - second(2, 2) * moment(1)] / determinant
   end function shear_center
+
+
+  !> Lengths, area, centroid and central second moments int x x' t ds of the middle lines of walls.
+  pure subroutine measure_walls(points, thickness, length, area, centroid, second)
+    real(DP), intent(in) :: points(:, :)           !< (2, walls + 1) [length]
+    real(DP), intent(in) :: thickness(:)           !< (walls) [length]
+    real(DP), intent(out) :: length(:)             !< (walls) [length]
+    real(DP), intent(out) :: area, centroid(2)     !< [length^2], [length]
+    real(DP), intent(out) :: second(2, 2)          !< [length^4]
+    real(DP) :: from(2), to(2)
+    integer :: k, n
+    n = size(thickness)
+    length = norm2(points(:, 2:) - points(:, :n), 1)
+    area = sum(length * thickness)
+    do k = 1, 2
+      centroid(k) = sum(length * thickness * (points(k, :n) + points(k, 2:))) / (2 * area)
+    end do
+    second = 0
+    do k = 1, n
+      from = points(:, k) - centroid
+      to = points(:, k + 1) - centroid
+      second = second + length(k) * thickness(k) / 6 * (2 * outer_product(from, from) + 2 * outer_product(to, to) + &
+        outer_product(from, to) + outer_product(to, from))
+    end do
+  end subroutine measure_walls
 
 
   !> Area, centroid and moments of inertia of rectangles along the axes; the shear centre is at the origin.

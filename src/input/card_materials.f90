@@ -244,7 +244,7 @@ contains
       'projection of global x in the abaqus dialect; the calculix dialect keeps the global axes. COMPOSITE is for S6 and S8R ' // &
       'in the calculix dialect, without angles.')
     call table%card('SHELL GENERAL SECTION', SCOPE_MODEL, 'Gives shells their material and thickness, or the stiffness of ' // &
-      'their section, for which three layers of solids are found.', data='with MATERIAL or COMPOSITE as SHELL SECTION; ' // &
+      'their section, for which layers of solids are found.', data='with MATERIAL or COMPOSITE as SHELL SECTION; ' // &
       'without both three lines of 8, 8 and 5 numbers: the upper triangle of the stiffness of membrane forces and moments ' // &
       '11, 22, 12, column by column')
     call table%option('ELSET', VALUE_NAME, 'The shells.', default='required')
