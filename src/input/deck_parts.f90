@@ -24,9 +24,9 @@ module amontons_deck_parts
   character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|MEMBRANESECTION|SPRING|MASS|INSTANCE|RIGIDBODY|' // &
     'SYSTEM|USERELEMENT|UELPROPERTY|COUPLING|KINEMATIC|DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'
   !< their data lines have no numbers of a part
-  character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|' // &
-    'COHESIVESECTION|GASKETSECTION|SURFACESECTION|CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|' // &
-    'EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
+  character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|COHESIVESECTION|GASKETSECTION|SURFACESECTION|' // &
+    'CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|' // &
+    'ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
 
   !> The scope of cards: a part in a certain instance, the assembly, or the model.
   type :: instance_type
@@ -81,11 +81,9 @@ contains
     cards = work%flat
     is_flat = .true.
     do c = 1, size(work%instances)
-      associate (instance => work%instances(c))
-        if (instance%node_shift > 0) call messages%add(0, 'Of the instance ' // instance%name // ' the numbers of nodes are ' // &
-          to_text(instance%node_shift) // ', those of elements ' // to_text(instance%element_shift) // ' higher than in its ' // &
-          'part.', is_warning=.true.)
-      end associate
+      if (work%instances(c)%node_shift > 0) call messages%add(0, 'Of the instance ' // work%instances(c)%name // ' the ' // &
+        'numbers of nodes are ' // to_text(work%instances(c)%node_shift) // ', those of elements ' // &
+        to_text(work%instances(c)%element_shift) // ' higher than in its part.', is_warning=.true.)
     end do
   end subroutine flatten_parts
 
@@ -108,7 +106,7 @@ contains
       associate (card => cards%cards(c))
         select case (card%key)
         case ('PART')
-          if (part > 0) call messages%add(card%line, 'The part before this one has no *END PART.')
+          if (part > 0) call report_open_part(cards, work, part, c, messages)
           call begin_part(cards, c, work)
           part = size(work%parts)
           work%owner(c) = -1
@@ -117,6 +115,8 @@ contains
           if (part > 0) work%parts(part)%last = c - 1
           part = 0
         case ('ASSEMBLY')
+          if (part > 0) call report_open_part(cards, work, part, c, messages)
+          part = 0
           is_in_assembly = .true.
           work%owner(c) = -2
         case ('ENDASSEMBLY')
@@ -132,16 +132,30 @@ contains
           if (is_in_instance) work%instances(size(work%instances))%last = c - 1
           is_in_instance = .false.
         case ('STEP')
-          if (part > 0) call messages%add(card%line, 'The part before this step has no *END PART.')
+          if (part > 0) call report_open_part(cards, work, part, c, messages)
           if (is_in_assembly) call messages%add(card%line, 'A step must be after *END ASSEMBLY.')
           if (part > 0 .or. is_in_assembly) return
         end select
       end associate
     end do
-    if (part > 0) call messages%add(0, 'The last part has no *END PART.')
+    if (part > 0) call report_open_part(cards, work, part, cards%n_cards + 1, messages)
     if (is_in_instance) call messages%add(0, 'The last instance has no *END INSTANCE.')
     if (is_in_assembly) call messages%add(0, 'The assembly has no *END ASSEMBLY.')
   end subroutine find_scopes
+
+
+  !> Reports a part that is still open at card c, at the line where it begins.
+  subroutine report_open_part(cards, work, part, c, messages)
+    type(cards_type), intent(in) :: cards
+    type(flattening_type), intent(in) :: work
+    integer, intent(in) :: part, c               !< c = n_cards + 1: the end of the deck
+    type(deck_messages_type), intent(inout) :: messages
+    character(:), allocatable :: place
+    place = 'the end of the deck'
+    if (c <= cards%n_cards) place = line_text(cards, cards%cards(c)%line)
+    call messages%add(cards%cards(work%parts(part)%first - 1)%line, 'This part has no *END PART before ' // place // '; write ' // &
+      'it after the last card of the part. A deck without *INSTANCE needs no *PART.')
+  end subroutine report_open_part
 
 
   !> A new part.

@@ -195,6 +195,15 @@ def test_refused_parts(run_deck: Run, deck: str, message: str) -> None:
     assert "1 error" in text
 
 
+@pytest.mark.parametrize(("follows", "before"), [("", "*STEP"), (f"*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n", "*ASSEMBLY"),
+                                                 ("*Part, NAME=Other\n*END PART\n", "*Part, NAME=Other")])
+def test_a_part_without_its_end(run_deck: Run, follows: str, before: str) -> None:
+    """The message names the line where the part begins, and the card before which its end is missing."""
+    text = refused(run_deck, f"*HEADING\nA title\n{BRICK.replace('*END PART' + chr(10), '')}{follows}{STEEL}{STEP}")
+    assert "job.inp:3" in text, text
+    assert f"This part has no *END PART before {before};" in text
+
+
 def test_errors_in_a_part_keep_their_lines(run_deck: Run) -> None:
     """The line of the part is named, once for each instance."""
     deck = f"{BRICK.replace('1, S1', '1, S9')}*ASSEMBLY\n{INSTANCE}*END ASSEMBLY\n{STEEL}{STEP}"

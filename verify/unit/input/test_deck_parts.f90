@@ -137,7 +137,9 @@ contains
   !> What is refused.
   subroutine check_errors()
     call expect_message(ONE, '*INSTANCE must be between', step='*END PART;' // STEP_PART)
-    call expect_message('*PART, NAME=Q;' // DONE // ONE // END, 'The part before this one has no *END PART.')
+    call expect_message('*PART, NAME=Q;' // DONE // ONE // END, 'This part has no *END PART before *PART, NAME=Q;')
+    call expect_message('*ASSEMBLY, NAME=A;' // ONE // END, 'This part has no *END PART before *ASSEMBLY, NAME=A;')
+    call expect_message('', 'This part has no *END PART before *STEP; write it after the last card of the part. A deck')
     call expect_message(DONE // ONE, 'A step must be after *END ASSEMBLY.')
     call expect_message(DONE // '*INSTANCE, NAME=K, PART=P;' // ONE // END, 'no *END INSTANCE')
     call expect_message(DONE // '*INSTANCE, NAME=I, PART=P;1,2,3,4;*END INSTANCE;' // END, 'at most two data lines')

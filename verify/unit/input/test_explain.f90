@@ -122,7 +122,7 @@ contains
     call expect('The deck has ')
     call expect('so it would not run')
     call explain('*PART, NAME=P;' // MESH // '*STEP;*STATIC;*END STEP;', DIALECT_ABAQUS, .true.)
-    call expect('error: The part before this step has no *END PART.')
+    call expect('error: This part has no *END PART before *STEP;')
     call suite%that('no numbers', index(text, 'Numbers taken') == 0)
   end subroutine check_messages
 
