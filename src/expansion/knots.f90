@@ -7,14 +7,15 @@
 !! A node with several directors is a knot: all their nodes follow the node, its rotation w and a uniform stretch e,
 !! u_i = u + ((1 + e) R(w) - 1) (X_i - X). The stretch leaves the Poisson strain across the thickness free; a single
 !! fibre of a shell as a knot is no constraint at all, since it has as many degrees of freedom. The drill about fibres that are all
-!! parallel has no stiffness and is held.
+!! parallel has no stiffness and is held, unless an EQUATION names it: each equation releases one drill, which follows the other
+!! terms and so holds none of them.
 module amontons_knots
   use amontons_kinds, only: DP
   use amontons_loads, only: equation_type
   use amontons_mesh, only: append_nodes
   use amontons_model, only: model_type, new_equation, DIALECT_CALCULIX
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_MEAN_ROTATION
-  use amontons_structural_data, only: structure_type, structural_section_type, director_type, mean_weights
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, mean_weights, find_node_directors
   use amontons_tensor, only: cross_product
   implicit none
   private
@@ -31,7 +32,9 @@ contains
     type(model_type), intent(inout) :: model     !< expanded
     type(equation_type), allocatable :: equations(:)
     type(nonlinear_mpc_type), allocatable :: mpcs(:)
+    logical, allocatable :: is_drill_free(:), is_drill_named(:)
     integer :: i, last, n, n_mpcs, n_new
+    call release_drills(model, is_drill_free, is_drill_named)
     associate (structure => model%structure)
       n = sum([(3 * (1 + size(structure%directors(i)%nodes)), i=1, size(structure%directors))])
       allocate (equations(n), mpcs(3 * size(structure%directors)))
@@ -43,10 +46,13 @@ contains
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
           call add_knot(model, i, last, equations, n, mpcs, n_mpcs)
+          if (.not. is_drill_free(structure%directors(i)%node)) call hold_drill(model, structure%directors(i:last), equations, n)
         else
           call add_tie(model, structure%directors(i), equations, n)
           if (structure%is_turned(structure%directors(i)%node)) &
             call add_mean_rotations(model, structure%directors(i), mpcs, n_mpcs)
+          if (is_drill_named(structure%directors(i)%node) .and. .not. is_drill_free(structure%directors(i)%node)) &
+            call hold_drill(model, structure%directors(i:i), equations, n)
         end if
         i = last + 1
       end do
@@ -235,7 +241,6 @@ contains
           mpc%node = [mpc%node, directors(i)%nodes(:k)]
         end do
       end associate
-      call hold_drill(model, directors, equations, n)
       do i = 1, size(directors)
         if (directors(i)%is_meridional .and. size(directors(i)%nodes) == 3) call hold_middle(directors(i), section, equations, n)
       end do
@@ -261,18 +266,73 @@ contains
   end subroutine hold_middle
 
 
-  !> Holds the rotation about fibres that are all parallel, until a step prescribes a rotation that has a part along them. Fibres
-  !! of axisymmetric shells turn in their plane alone.
+  !> The drills that EQUATION names, and one for each equation that is not held: a drill that is free in no other equation and that
+  !! no support of the first step prescribes. Equations with one drill come first, because others have a choice.
+  pure subroutine release_drills(model, is_free, is_named)
+    type(model_type), intent(in) :: model
+    logical, allocatable, intent(out) :: is_free(:), is_named(:)   !< (n_deck_nodes)
+    integer, allocatable :: n_drills(:)          !< of each equation
+    logical, allocatable :: is_drill_term(:), is_released(:)   !< is_released: of each equation
+    integer :: i, pass
+    associate (structure => model%structure, terms => model%structure%rotation_terms)
+      allocate (is_free(structure%n_deck_nodes), is_named(structure%n_deck_nodes), source=.false.)
+      if (size(terms, 2) == 0) return
+      allocate (n_drills(maxval(terms(1, :))), source=0)
+      allocate (is_released(size(n_drills)), source=.false.)
+      is_drill_term = [(is_drill(model, terms(2, i), terms(3, i)), i=1, size(terms, 2))]
+      do i = 1, size(terms, 2)
+        if (.not. is_drill_term(i)) cycle
+        is_named(terms(2, i)) = .true.
+        n_drills(terms(1, i)) = n_drills(terms(1, i)) + 1
+      end do
+      do pass = 1, 2
+        do i = 1, size(terms, 2)
+          if (.not. is_drill_term(i) .or. is_released(terms(1, i))) cycle
+          if ((n_drills(terms(1, i)) == 1 .neqv. pass == 1) .or. is_free(terms(2, i))) cycle
+          if (structure%held_from(3 + terms(3, i), terms(2, i)) == 1) cycle
+          is_free(terms(2, i)) = .true.
+          is_released(terms(1, i)) = .true.
+        end do
+      end do
+    end associate
+  end subroutine release_drills
+
+
+  !> Whether the rotation of a node about an axis turns fibres that are all parallel about themselves, at least in part where the
+  !! node is a knot.
+  pure logical function is_drill(model, node, axis)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node, axis            !< 1 to 3
+    integer :: first, last
+    is_drill = .false.
+    call find_node_directors(model%structure, node, first, last)
+    if (first > last) return
+    associate (directors => model%structure%directors(first:last))
+      if (.not. are_parallel(directors)) return
+      is_drill = abs(directors(1)%axes(axis, 1)) > merge(TOL_HELD, sqrt(1 - TOL_DRILL**2), is_knot(model, first, last))
+    end associate
+  end function is_drill
+
+
+  !> Whether directors are fibres of shells and all parallel; fibres of axisymmetric shells turn in their plane alone.
+  pure logical function are_parallel(directors)
+    type(director_type), intent(in) :: directors(:)   !< of a node
+    integer :: i
+    are_parallel = .not. any(directors%n_outer == 4 .or. directors%is_meridional)
+    do i = 2, size(directors)
+      are_parallel = are_parallel .and. norm2(cross_product(directors(1)%axes(:, 1), directors(i)%axes(:, 1))) <= TOL_PARALLEL
+    end do
+  end function are_parallel
+
+
+  !> Holds the rotation about fibres that are all parallel, until a step prescribes a rotation that has a part along them.
   subroutine hold_drill(model, directors, equations, n)
     type(model_type), intent(in) :: model
-    type(director_type), intent(in) :: directors(:)   !< of a knot
+    type(director_type), intent(in) :: directors(:)   !< of a node
     type(equation_type), intent(inout) :: equations(:)
     integer, intent(inout) :: n                  !< number of equations
-    integer :: i, k
-    if (any(directors%n_outer == 4 .or. directors%is_meridional)) return
-    do i = 2, size(directors)
-      if (norm2(cross_product(directors(1)%axes(:, 1), directors(i)%axes(:, 1))) > TOL_PARALLEL) return
-    end do
+    integer :: k
+    if (.not. are_parallel(directors)) return
     associate (normal => directors(1)%axes(:, 1), section => model%structure%sections(directors(1)%section), &
       held_from => model%structure%held_from(4:, directors(1)%node))
       n = n + 1

@@ -341,7 +341,7 @@ contains
       'STEP TIME|TOTAL TIME', default='STEP TIME')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of times.')
 
-    call table%card('EQUATION', SCOPE_BOTH, 'Sums of displacements that are zero; the first term is the one ' // &
+    call table%card('EQUATION', SCOPE_BOTH, 'Sums of displacements and rotations that are zero; the first term is the one ' // &
       'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term; with REMOVE, ' // &
       'in a step: node or node set, first and last degree of freedom')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')

@@ -162,9 +162,20 @@ contains
     call gather_constraints(model)
     call release_out_of_plane(model)
     call check_analytic_carrier(reader, model)
-    if (allocated(model%frame_of)) model%frame_of = [model%frame_of, &
-      spread(0, 1, model%mesh%n_nodes - size(model%frame_of))]
+    if (allocated(model%frame_of)) call extend_frames(model)
   end subroutine read_couplings
+
+
+  !> The nodes made for couplings have global directions, except rotations of reference nodes: they have those of the node.
+  subroutine extend_frames(model)
+    type(model_type), intent(inout) :: model     !< with frame_of of the nodes before
+    integer :: i, n_before
+    n_before = size(model%frame_of)
+    model%frame_of = [model%frame_of, spread(0, 1, model%mesh%n_nodes - n_before)]
+    do i = 1, n_before
+      if (model%rotation_of(i) > n_before) model%frame_of(model%rotation_of(i)) = model%frame_of(i)
+    end do
+  end subroutine extend_frames
 
 
   !> Nodes of plane and axisymmetric elements stay in their plane. A rigid body of such nodes alone provides no support of its

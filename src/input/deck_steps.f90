@@ -843,7 +843,8 @@ contains
       do i = 1, size(model%equations)
         associate (equation => model%equations(i))
           if (equation%deck_dof < first .or. equation%deck_dof > last) cycle
-          if (.not. any(nodes == equation%node(1))) cycle
+          if (equation%deck_dof <= 3 .and. .not. any(nodes == equation%node(1))) cycle
+          if (equation%deck_dof > 3 .and. .not. any(model%rotation_of(nodes) == equation%node(1))) cycle
           equation%last_step = min(step - 1, equation%last_step)
           n = n + 1
         end associate

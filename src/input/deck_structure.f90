@@ -4,6 +4,7 @@ module amontons_deck_structure
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, field_real
   use amontons_card_schema, only: has_parameter, parameter_text
+  use amontons_containers, only: integer_list_type
   use amontons_controls, only: controls_type
   use amontons_deck_beams, only: read_beam_section, pass_integration_points, read_general_material, section_offset, &
     add_middle_nodes, mark_plane_beams, hold_plane_beams
@@ -612,8 +613,69 @@ contains
         end if
       end do
       is_turned = is_turned .or. model%structure%is_follower
+      call find_rotation_terms(reader, model)
+      do c = 1, size(model%structure%rotation_terms, 2)
+        is_turned(model%structure%rotation_terms(2, c)) = .true.
+      end do
     end associate
   end subroutine find_turned_nodes
+
+
+  !> The rotations that EQUATION cards name. Malformed rows end a card; their errors are reported where equations are read.
+  subroutine find_rotation_terms(reader, model)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(inout) :: model
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(integer_list_type) :: entries
+    integer :: c, n_equations, n_copies, n_left, status
+    n_equations = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'EQUATION')) cycle
+      call open_card(reader, c, parameters, row)
+      if (has_parameter(parameters, 'REMOVE')) cycle
+      status = NUMBER_OK
+      do while (status == NUMBER_OK)
+        if (.not. next_row(reader%cards, row)) exit
+        call field_integer(reader%cards, row, 1, n_left, status)
+        n_copies = 1
+        do while (n_left > 0 .and. status == NUMBER_OK)
+          if (.not. next_row(reader%cards, row)) exit
+          call add_rotation_terms(reader, model, row, n_equations, entries, n_copies, status)
+          n_left = n_left - row%n / 3
+        end do
+        n_equations = n_equations + n_copies
+      end do
+    end do
+    model%structure%rotation_terms = reshape(entries%trimmed(), [3, entries%n / 3])
+  end subroutine find_rotation_terms
+
+
+  !> Adds the rotations of one row of an equation, for each node of a set.
+  subroutine add_rotation_terms(reader, model, row, n_equations, entries, n_copies, status)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: n_equations           !< equations before this one
+    type(integer_list_type), intent(inout) :: entries   !< number of the equation, node, direction; ...
+    integer, intent(inout) :: n_copies           !< equations of this one: the nodes of its largest set so far
+    integer, intent(out) :: status               !< not NUMBER_OK: malformed
+    integer, allocatable :: nodes(:)
+    integer :: i, k, dof
+    status = merge(NUMBER_OK, NUMBER_OK + 1, row%n >= 3)
+    do i = 1, row%n - 2, 3
+      call field_integer(reader%cards, row, i + 1, dof, status)
+      if (status /= NUMBER_OK) return
+      nodes = named_nodes(reader, model, field_text(reader%cards, row, i))
+      n_copies = max(n_copies, size(nodes))
+      if (dof < 4 .or. dof > 6) cycle
+      do k = 1, size(nodes)
+        call entries%add(n_equations + k)
+        call entries%add(nodes(k))
+        call entries%add(dof - 3)
+      end do
+    end do
+  end subroutine add_rotation_terms
 
 
   !> Marks the nodes of a row of BOUNDARY or CLOAD whose rotations it names, and the degrees of freedom that BOUNDARY prescribes.

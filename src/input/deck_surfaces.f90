@@ -625,7 +625,7 @@ contains
   end function face_number
 
 
-  !> EQUATION: a card may contain several; a node set in it gives one equation for each of its nodes.
+  !> EQUATION: a card may contain several; a node set in it gives one equation for each of its nodes. Rotation nodes must exist.
   subroutine read_equations(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
@@ -636,7 +636,8 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     type(terms_type) :: terms
     integer :: c, line, n_terms, i
-    logical :: is_ok
+    logical :: is_ok, has_rotations
+    has_rotations = .false.
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'EQUATION')) cycle
       call open_card(reader, c, parameters, row)
@@ -653,13 +654,18 @@ contains
         if (.not. is_ok .or. n_terms < 1) exit
         call read_terms(reader, model%mesh, row, n_terms, terms, is_ok)
         if (.not. is_ok) exit
+        has_rotations = has_rotations .or. any(terms%dof > 3)
         do i = 1, size(terms%node, 1)
           call merge_terms(reader, terms, i, line, equation)
+          call place_rotations(reader, model, line, equation, is_ok)
+          if (.not. is_ok) exit
           if (allocated(model%frame_of)) call transform_terms(model, equation)
           call list%add(equation)
         end do
       end do
     end do
+    if (has_rotations .and. model%dialect == DIALECT_CALCULIX) call report_note(reader, 0, 'Equations of rotations hold here; ' // &
+      'CalculiX 2.20 passes over them.')
     call list%move_to(equations)
     model%equations = [equations, model%equations]   ! equations of other cards, already read, come last
   end subroutine read_equations
@@ -696,8 +702,8 @@ contains
         call nodes_of_field(reader, mesh, row, i, nodes, is_ok)
         call read_integer(reader, row, i + 1, 'degree of freedom', terms%dof(terms%n), is_ok)
         call read_real(reader, row, i + 2, 'coefficient', terms%coefficient(terms%n), is_ok)
-        if (is_ok .and. (terms%dof(terms%n) < 1 .or. terms%dof(terms%n) > 3)) then
-          call report_error(reader, row%line, 'The degree of freedom must be 1, 2 or 3.')
+        if (is_ok .and. (terms%dof(terms%n) < 1 .or. terms%dof(terms%n) > 6)) then
+          call report_error(reader, row%line, 'The degree of freedom must be 1 to 3, or 4 to 6 at nodes that have rotations.')
           is_ok = .false.
         end if
         if (is_ok) call store_term_nodes(reader, row%line, nodes, terms, is_ok)
@@ -765,6 +771,30 @@ contains
     if (.not. abs(equation%coefficient(1)) > 0) call report_error(reader, line, &
       'The coefficient of the first term is zero; its degree of freedom is the one eliminated.')
   end subroutine merge_terms
+
+
+  !> The rotations 4 to 6 of a node are the displacements of its rotation node.
+  subroutine place_rotations(reader, model, line, equation, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: line
+    type(equation_type), intent(inout) :: equation
+    logical, intent(inout) :: is_ok              !< .false.: a node has none; its error is reported
+    integer :: i, place
+    do i = 1, size(equation%node)
+      if (equation%dof(i) <= 3) cycle
+      place = model%rotation_of(equation%node(i))
+      if (place == 0) then
+        call report_error(reader, line, 'The node ' // to_text(model%mesh%node_label(equation%node(i))) // ' has no rotation, ' // &
+          'which the degree of freedom ' // to_text(equation%dof(i)) // ' is: nodes of shells and beams and reference nodes ' // &
+          'of rigid bodies and couplings have rotations, those of solids, membranes and trusses have none.')
+        is_ok = .false.
+        return
+      end if
+      equation%node(i) = place
+      equation%dof(i) = equation%dof(i) - 3
+    end do
+  end subroutine place_rotations
 
 
   !> Transforms terms of nodes with local directions to the global directions.

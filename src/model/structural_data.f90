@@ -68,6 +68,7 @@ module amontons_structural_data
     logical, allocatable :: is_follower(:)       !< (n_nodes) a force turns with it, which takes finite rotations
     logical, allocatable :: is_plane(:)          !< (n_nodes) of a beam in the plane or of an axisymmetric shell
     integer, allocatable :: held_from(:, :)      !< (6, n_nodes) first step that prescribes the degree of freedom; 0: none does
+    integer, allocatable :: rotation_terms(:, :) !< (3, :) rotations in EQUATION: number of the equation, node, direction 1 to 3
     integer :: n_deck_nodes = 0                  !< nodes before expansion
     ! The expansion:
     type(director_type), allocatable :: directors(:)

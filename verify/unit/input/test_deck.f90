@@ -566,7 +566,7 @@ contains
     call expect_error(suite, MODEL_PART // E // '2;1,1,1.;' // STEP_PART, 'only 1 term')
     call expect_error(suite, MODEL_PART // E // '1;1,1,1.,2,1,1.;' // STEP_PART, 'at most 1 term')
     call expect_error(suite, MODEL_PART // E // '2;1,1,1.,2,1;' // STEP_PART, 'terms of three values')
-    call expect_error(suite, MODEL_PART // E // '2;1,4,1.,2,1,1.;' // STEP_PART, '1, 2 or 3')
+    call expect_error(suite, MODEL_PART // E // '2;1,4,1.,2,1,1.;' // STEP_PART, 'The node 1 has no rotation')
     call expect_error(suite, MODEL_PART // E // '2;99,1,1.,2,1,1.;' // STEP_PART, 'node set ''99''')
     call expect_error(suite, MODEL_PART // E // '2;1,1,0.,2,1,1.;' // STEP_PART, 'first term is zero')
     call expect_error(suite, MODEL_PART // E // '2;ALL,1,1.,TOP,1,1.;' // STEP_PART, 'same number of nodes')
