@@ -34,7 +34,7 @@ module amontons_general_contact
   public :: general_pairs_type, find_general_pairs, near_faces_type, find_near_faces
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
   public :: body_name, is_rigid_sheet
-  public :: TOUCHING_RADIUS, collect_face_data, find_interaction, make_surface
+  public :: TOUCHING_RADIUS, collect_face_data, find_interaction, are_named, contact_rules, make_surface
 
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
   real(DP), parameter :: TOL_HEIGHT = 1.0e-12_DP           !< of equal heights, over the edge: rounding [-]
@@ -66,7 +66,8 @@ module amontons_general_contact
     real(DP), allocatable :: modulus(:)            !< (n) Young's modulus of the element [stress]
     integer, allocatable :: column_of(:)           !< (0:n_surfaces) column of is_in of a surface of the rules; else 0
     logical, allocatable :: is_in(:, :)            !< (n, columns) the face belongs to the surface
-    integer, allocatable :: excluded(:, :)         !< (2, :) surfaces that do not touch: exclusions, ties, given pairs
+    integer, allocatable :: excluded(:, :)         !< (2, :) surfaces that do not touch: exclusions, given pairs, ties
+    integer, allocatable :: given_pair(:)          !< of each of them: the given pair; 0: an exclusion or a tie
     integer, allocatable :: group(:)               !< (n) number of patch and surfaces: faces of a group follow the same rules
     integer :: n_groups = 0
     logical :: can_turn = .false.                  !< steps prescribe rotations
@@ -213,22 +214,22 @@ contains
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(inout) :: data
+    type(general_contact_type) :: rules
     logical :: is_named(0:size(model%surfaces)), is_member(6, model%mesh%n_elements), is_node(model%mesh%n_nodes)
     integer :: i, f, n
-    associate (rules => model%general_contact)
-      data%excluded = rules%excluded
-      do i = 1, size(model%pairs)
-        if (model%pairs(i)%is_general) cycle
-        data%excluded = reshape([data%excluded, model%pairs(i)%slave, model%pairs(i)%master], [2, size(data%excluded, 2) + 1])
+    rules = contact_rules(model)
+    data%excluded = rules%excluded
+    data%given_pair = spread(0, 1, size(rules%excluded, 2))
+    do i = 1, size(model%pairs)
+      if (.not. model%pairs(i)%is_general) call leave_out(model%pairs(i)%slave, model%pairs(i)%master, i)
+    end do
+    if (allocated(model%ties)) then
+      do i = 1, size(model%ties)
+        call leave_out(model%ties(i)%slave, model%ties(i)%master, 0)
       end do
-      if (allocated(model%ties)) then
-        do i = 1, size(model%ties)
-          data%excluded = reshape([data%excluded, model%ties(i)%slave, model%ties(i)%master], [2, size(data%excluded, 2) + 1])
-        end do
-      end if
-      is_named = .false.
-      is_named([rules%included, data%excluded, rules%assigned(:2, :), rules%roles]) = .true.
-    end associate
+    end if
+    is_named = .false.
+    is_named([rules%included, data%excluded, rules%assigned(:2, :), rules%roles]) = .true.
     is_named(0) = .false.
     allocate (data%column_of(0:size(model%surfaces)), source=0)
     allocate (data%is_in(exterior%n, count(is_named)))
@@ -255,7 +256,30 @@ contains
         end if
       end associate
     end do
+
+  contains
+
+    !> Adds two surfaces to those that do not touch by the rules.
+    subroutine leave_out(slave, master, pair)
+      integer, intent(in) :: slave, master         !< indices of the surfaces
+      integer, intent(in) :: pair                  !< given; 0: a tie
+      data%excluded = reshape([data%excluded, slave, master], [2, size(data%excluded, 2) + 1])
+      data%given_pair = [data%given_pair, pair]
+    end subroutine leave_out
+
   end subroutine collect_memberships
+
+
+  !> The rules of general contact; without it, rules that include nothing.
+  pure function contact_rules(model) result(rules)
+    type(model_type), intent(in) :: model
+    type(general_contact_type) :: rules
+    if (allocated(model%general_contact)) then
+      rules = model%general_contact
+    else
+      allocate (rules%included(2, 0), rules%excluded(2, 0), rules%assigned(3, 0), rules%roles(2, 0))
+    end if
+  end function contact_rules
 
 
   !> Numbers the groups: faces of one patch in the same surfaces with the same height.
@@ -316,22 +340,23 @@ contains
     integer, intent(in) :: analytic                !< index of the analytic surface that group 0 stands for, else 0
     integer :: k
     interaction = 0
-    if (.not. any([(is_named(rules%included(:, k)), k=1, size(rules%included, 2))])) return
-    if (any([(is_named(data%excluded(:, k)), k=1, size(data%excluded, 2))])) return
+    if (.not. any([(are_named(data, g, h, rules%included(:, k), analytic), k=1, size(rules%included, 2))])) return
+    if (any([(are_named(data, g, h, data%excluded(:, k), analytic), k=1, size(data%excluded, 2))])) return
     do k = 1, size(rules%assigned, 2)
-      if (is_named(rules%assigned(:2, k))) interaction = rules%assigned(3, k)
+      if (are_named(data, g, h, rules%assigned(:2, k), analytic)) interaction = rules%assigned(3, k)
     end do
-
-  contains
-
-    !> Whether two surfaces name the faces of both groups, in either order.
-    pure logical function is_named(pair)
-      integer, intent(in) :: pair(:)
-      is_named = (is_of(data, g, pair(1), analytic) .and. is_of(data, h, pair(2), analytic)) .or. &
-        (is_of(data, g, pair(2), analytic) .and. is_of(data, h, pair(1), analytic))
-    end function is_named
-
   end function find_interaction
+
+
+  !> Whether two surfaces name the faces of both groups, in either order.
+  pure logical function are_named(data, g, h, surfaces, analytic)
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: g, h                    !< groups
+    integer, intent(in) :: surfaces(:)             !< (2) indices
+    integer, intent(in) :: analytic                !< index of the analytic surface that group 0 stands for, else 0
+    are_named = (is_of(data, g, surfaces(1), analytic) .and. is_of(data, h, surfaces(2), analytic)) .or. &
+      (is_of(data, g, surfaces(2), analytic) .and. is_of(data, h, surfaces(1), analytic))
+  end function are_named
 
 
   !> Whether the faces of a group belong to a surface.

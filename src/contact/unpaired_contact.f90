@@ -39,9 +39,7 @@ module amontons_unpaired_contact
     integer, allocatable :: master_first(:), master_pair(:)   !< the same for masters
     integer, allocatable :: node_first(:), node_face(:)       !< faces of which each node is a corner, in compressed lists
     real(DP), allocatable :: checked_u(:, :)       !< (3, n_nodes) displacements at the last crossing check [length]
-    logical, allocatable :: is_absent(:)           !< (n_elements) removed in the step of the crossing check
-    logical, allocatable :: is_touching(:)         !< (n_nodes) slave nodes that touch at the crossing check
-    logical, allocatable :: may_cross(:, :)        !< (n_bodies, n_bodies) they cross at the start
+    logical, allocatable :: may_cross(:, :)        !< (n_bodies, n_bodies) they crossed at the start or while a pair was removed
   end type model_faces_type
 
 contains

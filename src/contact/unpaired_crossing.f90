@@ -1,20 +1,23 @@
-!> Crossing check of general contact: whether a body passed through a face of another one where no pair keeps them apart.
+!> Crossing check: whether a body passed through a face of another one where contact is to keep them apart and does not act.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Pairs have faces that oppose each other near the start. The edge of a sheet, or a wedge, that is driven into a face opposes
-!! nothing; a body may come from beyond the search. What both have in common: an edge of one body passes through a face of the
-!! other at the end of the increment, or the path of one of its nodes does within the increment.
+!! General contact pairs faces that oppose each other near the start. The edge of a sheet, or a wedge, that is driven into a face
+!! opposes nothing; a body may come from beyond the search. A pair by hand may have a narrow master between coarse slave nodes, or
+!! slave nodes that supports drive. What all have in common: an edge of one body passes through a face of the other at the end of
+!! the increment, or the path of one of its nodes does within the increment.
 !!
-!! A crossing is *known*, and no fault, where a face around the edge opposes the face that it passes through, or one beside that
-!! behind which it lies by little, a pair has both, and a slave node there touches: a body that is pressed in by little crosses the
-!! side faces at the border of its contact. So it is where an exclusion or a tie has both, and of bodies that cross at the start.
+!! Contact is to keep the face and a face around the edge apart: the rules of general contact say so, or a pair by hand that acts
+!! has both. The crossing is *known*, and no fault, where contact acts: a face around the edge opposes the face that it passes
+!! through, or one beside that behind which it lies by little more than the slave nodes, a pair has both, and a slave node there
+!! touches: a body that is pressed in crosses the side faces at the border of its contact. So it is where an exclusion or a tie has
+!! both, and of bodies that cross at the start or while their pair is removed.
 !!
 !! Cost: none while no node moved by a twentieth of an element; else linear in the faces that are within the boxes of other bodies.
 module amontons_unpaired_crossing
   use amontons_kinds, only: DP
   use amontons_text, only: to_text
   use amontons_containers, only: integer_list_type
-  use amontons_surfaces, only: general_contact_type
+  use amontons_surfaces, only: contact_pair_type, general_contact_type, is_self_contact
   use amontons_model, only: model_type, absent_elements
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_facet_crossing, only: plane_normal, cross_facet
@@ -22,8 +25,8 @@ module amontons_unpaired_crossing
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_body_motion, only: displacement_span
-  use amontons_rigid_exterior, only: is_pair_driven
-  use amontons_general_contact, only: find_interaction, body_name
+  use amontons_rigid_exterior, only: is_pair_driven, free_unknowns
+  use amontons_general_contact, only: find_interaction, are_named, contact_rules, body_name
   use amontons_face_proximity, only: box_distance, find_active_faces, build_face_search, is_larger
   use amontons_unpaired_contact, only: model_faces_type, prepare_faces, smallest_width, have_pair, other_side
   implicit none
@@ -38,11 +41,23 @@ module amontons_unpaired_crossing
   !> Two faces, one of which the body of the other passed through.
   type :: crossing_type
     integer :: face(2) = 0                         !< of the body that passed through, and the face passed through; 0: none
+    integer :: pair = 0                            !< by hand, which has both; 0: the rules of general contact
   end type crossing_type
+
+  !> What the check looks at: the faces and what contact does between them at the end of an increment.
+  type :: scene_type
+    type(general_contact_type) :: rules
+    real(DP), allocatable :: x(:, :), du(:, :)     !< (3, n_nodes) positions, and displacements of the last increment [length]
+    real(DP) :: span = 0                           !< bound of the motion of nodes relative to each other in it [length]
+    logical, allocatable :: is_absent(:)           !< (n_elements) removed
+    real(DP), allocatable :: penetration(:)        !< (n_nodes) of slave nodes that touch; negative: the node does not [length]
+    logical, allocatable :: is_mortar(:)           !< (n_pairs) surface to surface
+    logical, allocatable :: is_acting(:)           !< (n_pairs) not removed, and gaps are the distances of the faces
+  end type scene_type
 
 contains
 
-  !> Whether bodies have passed through each other without a pair: message says which faces.
+  !> Whether bodies have passed through each other although contact is to keep them apart: message says which faces.
   subroutine find_unpaired_crossing(model, faces, slaves, u, du, step, message)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
@@ -52,10 +67,11 @@ contains
     integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
     type(exterior_type) :: now
+    type(scene_type) :: scene
     type(crossing_type) :: crossing
     real(DP) :: least
     message = ''
-    if (.not. allocated(model%general_contact)) return
+    if (.not. allocated(model%general_contact) .and. all(is_self_contact(model%pairs))) return
     if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
     least = MIN_CROSSING * faces%least_width
     if (.not. allocated(faces%checked_u)) faces%checked_u = 0 * u
@@ -64,140 +80,217 @@ contains
     call prepare_faces(model, faces)
     if (faces%exterior%n_bodies < 2) return
     now = faces%exterior
+    scene%rules = contact_rules(model)
+    scene%is_mortar = model%pairs%is_mortar
     if (.not. allocated(faces%may_cross)) then
       allocate (faces%may_cross(now%n_bodies, now%n_bodies), source=.false.)
-      allocate (faces%is_touching(model%mesh%n_nodes), source=.false.)
-      faces%is_absent = absent_elements(model, 1)
-      do
-        call find_crossing(model%general_contact, faces, now, model%mesh%coordinates, 0 * du, 0.0_DP, crossing)
-        if (crossing%face(1) == 0) exit
-        associate (bodies => now%body(crossing%face))
-          faces%may_cross(bodies, bodies) = .true.
-        end associate
-      end do
+      scene%x = model%mesh%coordinates
+      scene%du = 0 * du
+      scene%is_absent = absent_elements(model, 1)
+      allocate (scene%penetration(model%mesh%n_nodes), source=-1.0_DP)
+      allocate (scene%is_acting(size(model%pairs)), source=.true.)
+      call permit_crossings(scene, faces, now)
     end if
-    faces%is_touching = touching_nodes(model, slaves)
-    faces%is_absent = absent_elements(model, step)
-    call measure_faces(model%mesh, model%mesh%coordinates + u, now)
-    call find_crossing(model%general_contact, faces, now, model%mesh%coordinates + u, du, displacement_span(model, du), crossing)
-    if (crossing%face(1) > 0) call describe_crossing(model, now, crossing, model%steps(step)%is_nlgeom, u, faces, message)
+    scene%x = model%mesh%coordinates + u
+    scene%du = du
+    scene%span = displacement_span(model, du)
+    scene%is_absent = absent_elements(model, step)
+    scene%penetration = measure_penetrations(model, slaves)
+    scene%is_acting = acting_pairs(model%pairs, slaves, least)
+    if (allocated(model%steps(step)%is_removed)) scene%is_acting = scene%is_acting .and. .not. model%steps(step)%is_removed
+    call measure_faces(model%mesh, scene%x, now)
+    call find_crossing(scene, faces, now, crossing)
+    if (crossing%face(1) > 0) then
+      call describe_crossing(model, now, crossing, step, u, faces, message)
+    else if (.not. all(scene%is_acting)) then
+      scene%is_acting = .not. scene%is_acting
+      call permit_crossings(scene, faces, now)
+    end if
   end subroutine find_unpaired_crossing
 
 
-  !> The slave nodes that touch their masters; where contact acts at points of faces, all nodes.
-  pure function touching_nodes(model, slaves) result(is_touching)
+  !> How deep the slave nodes that touch lie behind the faces of their masters; where contact acts at points of faces, any depth.
+  pure function measure_penetrations(model, slaves) result(penetration)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
-    logical :: is_touching(model%mesh%n_nodes)
-    integer :: p
-    is_touching = .false.
-    is_touching(pack(slaves%node, slaves%status /= STATUS_OPEN .and. slaves%slave_facet == 0)) = .true.
-    do p = 1, size(model%pairs)
-      if (model%pairs(p)%has_point_contact) is_touching(model%surfaces(model%pairs(p)%slave)%nodes) = .true.
+    real(DP) :: penetration(model%mesh%n_nodes)    !< negative: the node does not touch [length]
+    integer :: p, s
+    penetration = -1.0_DP
+    do s = 1, size(slaves)
+      if (slaves(s)%status == STATUS_OPEN .or. slaves(s)%slave_facet > 0) cycle
+      penetration(slaves(s)%node) = max(0.0_DP, penetration(slaves(s)%node), slaves(s)%offset - slaves(s)%gap)
     end do
-  end function touching_nodes
+    do p = 1, size(model%pairs)
+      if (model%pairs(p)%has_point_contact) penetration(model%surfaces(model%pairs(p)%slave)%nodes) = huge(1.0_DP)
+    end do
+  end function measure_penetrations
+
+
+  !> The pairs whose gaps are the distances of the faces: no clearance or interference lets a slave go behind its master.
+  pure function acting_pairs(pairs, slaves, least) result(is_acting)
+    type(contact_pair_type), intent(in) :: pairs(:)
+    type(slave_state_type), intent(in) :: slaves(:)
+    real(DP), intent(in) :: least                  !< a smaller offset does not count [length]
+    logical :: is_acting(size(pairs))
+    is_acting = .not. (pairs%has_clearance .and. pairs%clearance > least)
+    is_acting(pack(slaves%pair, slaves%offset > least)) = .false.
+  end function acting_pairs
+
+
+  !> Bodies that cross now may do so from now on.
+  subroutine permit_crossings(scene, faces, now)
+    type(scene_type), intent(in) :: scene
+    type(model_faces_type), intent(inout) :: faces !< its may_cross
+    type(exterior_type), intent(in) :: now         !< measured at x
+    type(crossing_type) :: crossing
+    do
+      call find_crossing(scene, faces, now, crossing)
+      if (crossing%face(1) == 0) exit
+      associate (bodies => now%body(crossing%face))
+        faces%may_cross(bodies, bodies) = .true.
+      end associate
+    end do
+  end subroutine permit_crossings
 
 
   !> Finds the first crossing of bodies that may not cross.
-  subroutine find_crossing(rules, faces, now, x, du, span, crossing)
-    type(general_contact_type), intent(in) :: rules
+  subroutine find_crossing(scene, faces, now, crossing)
+    type(scene_type), intent(in) :: scene
     type(model_faces_type), intent(in) :: faces
     type(exterior_type), intent(in) :: now         !< measured at x
-    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
-    real(DP), intent(in) :: span                   !< bound of the motion of nodes relative to each other in it [length]
     type(crossing_type), intent(out) :: crossing
     type(facet_search_type) :: search
     logical, allocatable :: is_active(:)
     integer, allocatable :: active(:), list(:)
     integer :: i, k, n, f, m
-    call find_active_faces(now, span, is_active)
+    call find_active_faces(now, scene%span, is_active)
     active = pack([(f, f=1, now%n)], is_active)
     if (size(active) == 0) return
-    call build_face_search(now, active, 0.0_DP, span, search)
+    call build_face_search(now, active, 0.0_DP, scene%span, search)
     do i = 1, size(active)
       f = active(i)
       call find_near_facets(search, now%centre(:, f), list, n)
       do k = 1, n
         m = active(list(k))
-        if (.not. may_be_crossed(rules, faces, now, f, m, span)) cycle
-        if (has_crossed(rules, faces, now, f, m, x, du)) crossing%face = [f, m]
-        if (crossing%face(1) > 0) return
-        if (has_crossed(rules, faces, now, m, f, x, du)) crossing%face = [m, f]
+        if (.not. may_be_crossed(scene, faces, now, f, m)) cycle
+        call cross_face(scene, faces, now, f, m, crossing)
+        if (crossing%face(1) == 0) call cross_face(scene, faces, now, m, f, crossing)
         if (crossing%face(1) > 0) return
       end do
     end do
   end subroutine find_crossing
 
 
-  !> Whether two faces are near each other, those of bodies that general contact keeps apart; the second one is the larger. Those
-  !! whose surfaces in contact lie below them may cross.
-  pure logical function may_be_crossed(rules, faces, now, f, m, span) result(may_be)
-    type(general_contact_type), intent(in) :: rules
+  !> Whether two faces are near each other, those of bodies that may not cross; the second one is the larger. Those whose surfaces
+  !! in contact lie below them may cross.
+  pure logical function may_be_crossed(scene, faces, now, f, m) result(may_be)
+    type(scene_type), intent(in) :: scene
     type(model_faces_type), intent(in) :: faces
     type(exterior_type), intent(in) :: now
     integer, intent(in) :: f, m                    !< faces
-    real(DP), intent(in) :: span                   !< [length]
     may_be = .false.
     if (now%body(f) == now%body(m) .or. .not. is_larger(now, m, f)) return
-    if (any(faces%is_absent(now%element([f, m])))) return
+    if (any(scene%is_absent(now%element([f, m])))) return
     if (faces%may_cross(now%body(f), now%body(m)) .or. now%height(f) + now%height(m) < 0.0_DP) return
-    if (box_distance(now%box(:, :, f), now%box(:, :, m)) > span) return
-    if (faces%data%is_rigid(f) .and. faces%data%is_rigid(m)) then
-      if (is_pair_driven(faces%data%rigid, now%nodes(now%first([f, m])))) return
-    end if
-    may_be = .not. are_excluded(rules, faces, f, m)
+    if (box_distance(now%box(:, :, f), now%box(:, :, m)) > scene%span) return
+    may_be = .true.
+    if (faces%data%is_rigid(f) .and. faces%data%is_rigid(m)) may_be = .not. is_pair_driven(faces%data%rigid, &
+      now%nodes(now%first([f, m])))
   end function may_be_crossed
 
 
-  !> Whether the rules of general contact, a pair by hand or a tie leave two faces out.
-  pure logical function are_excluded(rules, faces, f, m)
-    type(general_contact_type), intent(in) :: rules
-    type(model_faces_type), intent(in) :: faces
-    integer, intent(in) :: f, m                    !< faces
-    are_excluded = find_interaction(rules, faces%data, faces%data%group(f), faces%data%group(m), 0) == 0
-  end function are_excluded
-
-
-  !> Whether an edge of a face, or the path of a corner, passes through another face, and no pair knows of it.
-  logical function has_crossed(rules, faces, now, f, m, x, du)
-    type(general_contact_type), intent(in) :: rules
+  !> Whether an edge of a face, or the path of a corner, passes through another face although contact is to keep them apart.
+  subroutine cross_face(scene, faces, now, f, m, crossing)
+    type(scene_type), intent(in) :: scene
     type(model_faces_type), intent(in) :: faces
     type(exterior_type), intent(in) :: now
     integer, intent(in) :: f                       !< face whose edges and corners are looked at
     integer, intent(in) :: m                       !< face that they may pass through
-    real(DP), intent(in) :: x(:, :), du(:, :)      !< (3, n_nodes) [length]
+    type(crossing_type), intent(inout) :: crossing !< set where they do
     integer :: k, n, ends(2)
     real(DP) :: corner(3, 4), point(3), motion(3), least, depth
-    real(DP) :: mean_depth                         ! at which a mortar pair may be open [length]
     logical :: is_crossed
     least = MIN_CROSSING * min(now%edge_length(f), now%edge_length(m))
-    mean_depth = -huge(1.0_DP)
-    if (rules%is_mortar) mean_depth = MAX_MEAN_DEPTH * max(now%edge_length(f), now%edge_length(m))
     associate (own => now%nodes(now%first(f):now%first(f) + now%n_corners(f) - 1), &
-      nodes => now%nodes(now%first(m):now%first(m) + now%n_corners(m) - 1))
+      nodes => now%nodes(now%first(m):now%first(m) + now%n_corners(m) - 1), x => scene%x, du => scene%du)
       n = size(nodes)
       corner(:, :n) = x(:, nodes)
       motion = sum(du(:, nodes), dim=2) / real(n, DP)
-      has_crossed = .true.
       do k = 1, size(own)
         ends = [own(k), own(modulo(k, size(own)) + 1)]
         call cross_facet(corner(:, :n), x(:, ends), is_crossed, point)
         if (is_crossed) then
           depth = min(depth_through(faces, now, m, ends, x), depth_through(faces, now, f, nodes, x))
-          is_crossed = depth >= least
+          if (depth >= least) call judge_crossing(scene, faces, now, ends, m, point, depth, crossing)
         end if
-        if (is_crossed) is_crossed = .not. is_known(rules, faces, now, ends, m, point, depth <= mean_depth)
-        if (is_crossed) return
-        if (norm2(du(:, own(k)) - motion) < least) cycle
-        call cross_on_path(corner(:, :n), x(:, own(k)), du(:, own(k)) - motion, least, is_crossed, point)
-        depth = dot_product(now%normal(:, m), now%centre(:, m) - x(:, own(k)))
-        if (is_crossed) is_crossed = .not. is_known(rules, faces, now, [own(k), own(k)], m, point, depth <= mean_depth)
-        if (is_crossed) return
+        if (norm2(du(:, own(k)) - motion) >= least .and. crossing%face(1) == 0) then
+          call cross_on_path(corner(:, :n), x(:, own(k)), du(:, own(k)) - motion, least, is_crossed, point)
+          depth = dot_product(now%normal(:, m), now%centre(:, m) - x(:, own(k)))
+          if (is_crossed) call judge_crossing(scene, faces, now, [own(k), own(k)], m, point, depth, crossing)
+        end if
+        if (crossing%face(1) > 0) return
       end do
-      has_crossed = .false.
     end associate
-  end function has_crossed
+  end subroutine cross_face
+
+
+  !> Takes a crossing of an edge in, if contact is to keep the face and one around the edge apart, and does not act there.
+  subroutine judge_crossing(scene, faces, now, ends, m, point, depth, crossing)
+    type(scene_type), intent(in) :: scene
+    type(model_faces_type), intent(in) :: faces
+    type(exterior_type), intent(in) :: now
+    integer, intent(in) :: ends(2)                 !< nodes of the edge
+    integer, intent(in) :: m                       !< crossed face
+    real(DP), intent(in) :: point(3)               !< of the crossing [length]
+    real(DP), intent(in) :: depth                  !< [length]
+    type(crossing_type), intent(inout) :: crossing
+    type(integer_list_type) :: around, beside
+    real(DP) :: border                             ! depth to which the sides beside a contact may be crossed [length]
+    logical :: is_free
+    integer :: i, j, pair
+    call list_around(faces, ends, around)
+    call list_beside(faces, now, m, beside)
+    do i = 1, around%n
+      do j = 1, beside%n
+        associate (g => around%items(i), h => beside%items(j))
+          border = MAX_BORDER_DEPTH * now%edge_length(h) + max(0.0_DP, largest_penetration(scene, now, g, h))
+          if (j > 2 .and. abs(dot_product(now%normal(:, h), point - now%centre(:, h))) > border) cycle
+          call find_rule(scene, faces, g, h, is_free, pair)
+          if (is_free .or. acts_between(scene, faces, now, g, h, pair, depth)) then
+            crossing = crossing_type()
+            return
+          end if
+          if (j <= 2 .and. pair >= 0) crossing = crossing_type([g, m], pair)
+        end associate
+      end do
+    end do
+  end subroutine judge_crossing
+
+
+  !> What the deck says of two faces: the pair by hand that has both and acts; else whether an exclusion, a tie or a pair that does
+  !! not act leaves them out; else the rules of general contact.
+  pure subroutine find_rule(scene, faces, g, h, is_free, pair)
+    type(scene_type), intent(in) :: scene
+    type(model_faces_type), intent(in) :: faces
+    integer, intent(in) :: g, h                    !< faces
+    logical, intent(out) :: is_free                !< they may pass each other
+    integer, intent(out) :: pair                   !< by hand; 0: general contact keeps them apart; -1: nothing does
+    integer :: k, given
+    is_free = .false.
+    pair = -1
+    associate (data => faces%data)
+      do k = 1, size(data%excluded, 2)
+        if (.not. are_named(data, data%group(g), data%group(h), data%excluded(:, k), 0)) cycle
+        given = data%given_pair(k)
+        is_free = .true.
+        if (given > 0) is_free = .not. scene%is_acting(given)
+        if (.not. is_free) pair = given
+        if (.not. is_free) return
+      end do
+      if (is_free) return
+      if (find_interaction(scene%rules, data, data%group(g), data%group(h), 0) > 0) pair = 0
+    end associate
+  end subroutine find_rule
 
 
   !> Whether the path of a node crosses a face from front to back, steeply, and starts and ends at some distance from it.
@@ -245,33 +338,18 @@ contains
   end function depth_through
 
 
-  !> Whether a pair, an exclusion or a tie of a face around the ends of an edge has the crossed face, or one beside it behind which
-  !! the crossing lies by little.
-  logical function is_known(rules, faces, now, ends, m, point, may_be_open)
-    type(general_contact_type), intent(in) :: rules
+  !> The faces around the ends of an edge.
+  subroutine list_around(faces, ends, around)
     type(model_faces_type), intent(in) :: faces
-    type(exterior_type), intent(in) :: now
-    integer, intent(in) :: ends(2)                 !< nodes of the edge
-    integer, intent(in) :: m                       !< crossed face
-    real(DP), intent(in) :: point(3)               !< of the crossing [length]
-    logical, intent(in) :: may_be_open             !< no slave node need touch there: mortar contact holds in the mean
-    type(integer_list_type) :: beside
-    integer :: i, j, k
-    is_known = .true.
-    call list_beside(faces, now, m, beside)
-    do k = 1, 2
+    integer, intent(in) :: ends(2)                 !< nodes
+    type(integer_list_type), intent(out) :: around
+    integer :: i, k
+    do k = 1, merge(2, 1, ends(2) /= ends(1))
       do i = faces%node_first(ends(k)), faces%node_first(ends(k) + 1) - 1
-        do j = 1, beside%n
-          associate (g => faces%node_face(i), h => beside%items(j))
-            if (j > 2 .and. abs(dot_product(now%normal(:, h), point - now%centre(:, h))) &
-              > MAX_BORDER_DEPTH * now%edge_length(h)) cycle
-            if (are_known(rules, faces, now, g, h, may_be_open)) return
-          end associate
-        end do
+        call around%add(faces%node_face(i))
       end do
     end do
-    is_known = .false.
-  end function is_known
+  end subroutine list_around
 
 
   !> The face itself, its other side, and the faces that share a corner with it.
@@ -292,53 +370,82 @@ contains
 
 
   !> Whether contact acts between two faces that oppose each other: a pair has them, or the other side of one without depth, and
-  !! slave nodes of one touch; or whether they are left out.
-  pure logical function are_known(rules, faces, now, g, h, may_be_open)
-    type(general_contact_type), intent(in) :: rules
+  !! slave nodes of one touch, or a mortar pair, which holds in the mean, is open by little.
+  pure logical function acts_between(scene, faces, now, g, h, pair, depth) result(acts)
+    type(scene_type), intent(in) :: scene
     type(model_faces_type), intent(in) :: faces
     type(exterior_type), intent(in) :: now
     integer, intent(in) :: g, h                    !< faces
-    logical, intent(in) :: may_be_open
-    integer :: other, k
+    integer, intent(in) :: pair                    !< by hand, which has both; else 0 or less
+    real(DP), intent(in) :: depth                  !< of the crossing [length]
+    logical :: is_mortar
+    integer :: other
     real(DP) :: cosine
-    are_known = are_excluded(rules, faces, g, h)
+    acts = .false.
     cosine = dot_product(now%normal(:, g), now%normal(:, h))
     other = g
     if (cosine > 0.0_DP .and. is_thin(now%depth(g), now%edge_length(g))) other = other_side(now, g)
-    if (are_known .or. (other == g .and. cosine > 0.0_DP) .or. abs(cosine) < MIN_FACING_COSINE) return
-    are_known = may_be_open
-    do k = 1, 2
-      associate (face => merge(g, h, k == 1))
-        are_known = are_known .or. any(faces%is_touching(now%nodes(now%first(face):now%first(face + 1) - 1)))
-      end associate
-    end do
-    if (are_known) are_known = have_pair(faces, other, h) .or. have_pair(faces, h, other)
-  end function are_known
+    if ((other == g .and. cosine > 0.0_DP) .or. abs(cosine) < MIN_FACING_COSINE) return
+    is_mortar = scene%rules%is_mortar
+    if (pair > 0) is_mortar = scene%is_mortar(pair)
+    acts = (is_mortar .and. depth <= MAX_MEAN_DEPTH * max(now%edge_length(g), now%edge_length(h))) .or. &
+      largest_penetration(scene, now, g, h) >= 0.0_DP
+    if (acts .and. pair <= 0) acts = have_pair(faces, other, h) .or. have_pair(faces, h, other)
+  end function acts_between
+
+
+  !> The largest penetration of the slave nodes of two faces that touch; negative: none touches [length].
+  pure real(DP) function largest_penetration(scene, now, g, h) result(largest)
+    type(scene_type), intent(in) :: scene
+    type(exterior_type), intent(in) :: now
+    integer, intent(in) :: g, h                    !< faces
+    largest = max(maxval(scene%penetration(now%nodes(now%first(g):now%first(g + 1) - 1))), &
+      maxval(scene%penetration(now%nodes(now%first(h):now%first(h + 1) - 1))))
+  end function largest_penetration
 
 
   !> The sentence about a crossing, with what helps.
-  subroutine describe_crossing(model, now, crossing, is_nlgeom, u, faces, message)
+  subroutine describe_crossing(model, now, crossing, step, u, faces, message)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: now
     type(crossing_type), intent(in) :: crossing
-    logical, intent(in) :: is_nlgeom
+    integer, intent(in) :: step                    !< of the model, from 1
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     type(model_faces_type), intent(in) :: faces
     character(:), allocatable, intent(out) :: message
-    message = 'General contact: element ' // side_text(crossing%face(1)) // ' passed through element ' // &
+    character(:), allocatable :: pair, kind
+    logical :: is_mortar
+    pair = 'General contact'
+    kind = '*CONTACT'
+    if (crossing%pair > 0) then
+      pair = 'Contact pair ' // model%pairs(crossing%pair)%name
+      kind = '*CONTACT PAIR'
+      is_mortar = model%pairs(crossing%pair)%is_mortar
+    else
+      is_mortar = model%general_contact%is_mortar
+    end if
+    message = pair // ': element ' // side_text(crossing%face(1)) // ' passed through element ' // &
       side_text(crossing%face(2)) // ', and no contact keeps them apart there. '
-    if (.not. is_nlgeom .and. displacement_span(model, u) > faces%least_width) then
+    if (is_held()) then
+      message = message // 'Supports hold its slave nodes, which contact cannot push: swap slave and master.'
+    else if (.not. model%steps(step)%is_nlgeom .and. displacement_span(model, u) > faces%least_width) then
       message = message // 'Without NLGEOM bodies touch only where they are near each other at the start: give NLGEOM on *STEP.'
     else if (any(is_thin(now%depth(crossing%face), now%edge_length(crossing%face)))) then
       message = message // 'The edge of a sheet of rigid elements touches nothing: make that body of solid elements with ' // &
         '*RIGID BODY, which have a depth.'
-    else if (.not. model%general_contact%is_mortar) then
-      message = message // 'Slave nodes touch what lies below them, not what lies between them: *CONTACT, TYPE=SURFACE TO ' // &
-        'SURFACE looks at their faces.'
+    else if (.not. is_mortar) then
+      message = message // 'Slave nodes touch what lies below them, not what lies between them: ' // kind // &
+        ', TYPE=SURFACE TO SURFACE looks at their faces.'
+    else if (crossing%pair > 0) then
+      message = message // 'Its surfaces must have all faces that can touch.'
     else
       message = message // 'Faces that stand nearly upright on each other make no pair: name them in a *CONTACT PAIR.'
     end if
-    message = message // ' Bodies that may pass each other are named in *CONTACT EXCLUSIONS.'
+    if (crossing%pair > 0) then
+      message = message // ' Bodies that may pass each other need no *CONTACT PAIR; *MODEL CHANGE removes it for a step.'
+    else
+      message = message // ' Bodies that may pass each other are named in *CONTACT EXCLUSIONS.'
+    end if
 
   contains
 
@@ -348,6 +455,15 @@ contains
       character(:), allocatable :: text
       text = to_text(model%mesh%element_label(now%element(f))) // ' of ' // body_name(model, now, now%body(f))
     end function side_text
+
+    !> Whether supports hold a slave node of the pair by hand in all directions.
+    pure logical function is_held()
+      logical :: is_free(3, model%mesh%n_nodes)
+      is_held = .false.
+      if (crossing%pair == 0) return
+      is_free = free_unknowns(model, step)
+      is_held = any(.not. any(is_free(:, model%surfaces(model%pairs(crossing%pair)%slave)%nodes), dim=1))
+    end function is_held
 
   end subroutine describe_crossing
 

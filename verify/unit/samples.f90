@@ -13,7 +13,7 @@ module samples
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, eliminate_constraints
   implicit none
   private
-  public :: deck_lines, horseshoe, last_step, dense_of, add_oblique_row, make_chain_mesh, evaluate_smooth_normal
+  public :: deck_lines, horseshoe, two_squares, last_step, dense_of, add_oblique_row, make_chain_mesh, evaluate_smooth_normal
 
 contains
 
@@ -38,6 +38,20 @@ contains
       // ';12,2.,' // to_text(2 + width) // ';*ELEMENT, TYPE=CPE4, ELSET=SHOE;1,2,3,6,5;2,1,2,5,4;3,8,9,12,11;4,7,8,11,10;' // &
       '5,4,5,8,7;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;*SOLID SECTION, ELSET=SHOE, MATERIAL=M;*SURFACE, NAME=SHOE_S;SHOE,;'
   end function horseshoe
+
+
+  !> A square UP (CPE4) above another one LOW, which is twice as wide, with its top at y = 1, the surfaces S_UP and S_LOW, and a
+  !! step under NLGEOM that moves the upper one down by a half.
+  function two_squares(height, cards) result(deck)
+    real(DP), intent(in) :: height                 !< y of the bottom of the upper square [length]
+    character(*), intent(in) :: cards              !< before the step
+    character(:), allocatable :: deck
+    deck = deck_lines('*NODE;1,-0.5,0.;2,1.5,0.;3,1.5,1.;4,-0.5,1.;5,0.,' // to_text(height) // ';6,1.,' // to_text(height) // &
+      ';7,1.,' // to_text(height + 1) // ';8,0.,' // to_text(height + 1) // ';*ELEMENT, TYPE=CPE4, ELSET=LOW;1,1,2,3,4;' // &
+      '*ELEMENT, TYPE=CPE4, ELSET=UP;2,5,6,7,8;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;*SOLID SECTION, ELSET=LOW, MATERIAL=M;' // &
+      '*SOLID SECTION, ELSET=UP, MATERIAL=M;*SURFACE, NAME=S_UP;UP, S1;UP, S2;UP, S4;*SURFACE, NAME=S_LOW;LOW, S3;' // cards // &
+      '*STEP, NLGEOM;*STATIC;*BOUNDARY;1,1,2;2,2;5,1;5,2,2,-0.5;6,2,2,-0.5;*END STEP;')
+  end function two_squares
 
 
   !> A step that moves a corner by 0.4.

@@ -174,3 +174,59 @@ def test_soft_contact_at_a_border(run_deck: Run, *, is_nlgeom: bool) -> None:
     rules = "*CONTACT PROPERTY ASSIGNMENT\n, , SOFT\n"
     done = run_deck(job(bodies, supports, is_nlgeom=is_nlgeom, rules=rules))
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def pair_job(bodies: str, supports: str, *, increment: float = 0.25, cards: str = "", changed: str = "", is_nlgeom: bool = True) -> str:
+    """A deck with a pair by hand, node to surface: the bottom of U, the slave, and the top of B, bodies of one layer."""
+    text = MATERIALS + bodies + "*SURFACE, NAME=SU\nU, S1\n*SURFACE, NAME=SB\nB, S2\n*SURFACE INTERACTION, NAME=I\n"
+    text += "*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nSU, SB\n" + cards + f"*STEP{', NLGEOM' if is_nlgeom else ''}, INC=50\n"
+    return text + f"*STATIC\n{increment}, 1.\n{changed}*BOUNDARY\n{supports}*END STEP\n"
+
+
+def post(gap: float) -> str:
+    """A narrow post B below the single face of U."""
+    low = 0.2 + gap
+    return block("B", 1, (10, 10, 1), (0.3, 0.3, 0), (0.7, 0.7, 0.2)) + block("U", 5001, (1, 1, 1), (0, 0, low), (1, 1, 1 + low))
+
+
+HELD_POST = "BZ0, 1, 3\nUZ1, 1, 2\nUZ1, 3, 3, {}\n"
+REMOVED = "*STEP, NLGEOM\n*STATIC\n.25, 1.\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nSU, SB\n*BOUNDARY\n" + HELD_POST.format(-0.06) + "*END STEP\n"
+ADDED = "*MODEL CHANGE, TYPE=CONTACT PAIR, ADD\nSU, SB\n"
+
+
+@pytest.mark.parametrize(("way", "increment"), [(0.05, 0.25), (0.4, 0.25), (0.4, 1.0)])
+def test_post_in_a_pair(run_deck: Run, way: float, increment: float) -> None:
+    """The post passes between the nodes of a slave by hand, to a depth, right through, or through in one increment: the job says so."""
+    done = run_deck(pair_job(post(0.02), HELD_POST.format(-way), increment=increment))
+    assert done.returncode == NOT_CONVERGED
+    said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert re.search(r"Contact pair SU / SB: element \d+ of (B passed through element \d+ of U|U passed through element \d+ of B),", said), said
+    assert "*CONTACT PAIR, TYPE=SURFACE TO SURFACE looks at their faces" in said
+
+
+PERMITTED = {
+    "overlap at the start": pair_job(post(-0.03), HELD_POST.format(-0.05)),
+    "clearance": pair_job(post(0.02), HELD_POST.format(-0.05), cards="*CLEARANCE, SLAVE=SU, MASTER=SB, VALUE=0.5\n"),
+    "removed": pair_job(post(0.02), HELD_POST.format(-0.06), cards=REMOVED),
+    "added again": pair_job(post(0.02), HELD_POST.format(-0.07), cards=REMOVED, changed=ADDED),
+    "no pair": pair_job(post(0.02), HELD_POST.format(-0.05)).replace("*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nSU, SB\n", ""),
+}
+
+
+@pytest.mark.parametrize("reason", PERMITTED)
+def test_permitted_crossings(run_deck: Run, reason: str) -> None:
+    """Bodies may pass where they overlap at the start, by a clearance, while their pair is removed and after that, and without a pair."""
+    done = run_deck(PERMITTED[reason])
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_driven_slave(run_deck: Run, *, is_nlgeom: bool) -> None:
+    """Supports drive all slave nodes into the master: contact cannot push them, and the job says so."""
+    bodies = block("B", 1, (4, 4, 1), (0, 0, 0), (1, 1, 0.5)) + block("U", 5001, (2, 2, 1), (0.2, 0.2, 0.52), (0.8, 0.8, 0.82))
+    supports = "BZ0, 1, 3\n" + "".join(f"{side}, 1, 2\n{side}, 3, 3, -0.1\n" for side in ("UZ0", "UZ1"))
+    done = run_deck(pair_job(bodies, supports, is_nlgeom=is_nlgeom))
+    assert done.returncode == NOT_CONVERGED
+    said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert "Contact pair SU / SB: element" in said, said
+    assert "Supports hold its slave nodes, which contact cannot push: swap slave and master" in said, said

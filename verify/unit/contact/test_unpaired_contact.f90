@@ -7,7 +7,7 @@ program test_unpaired_contact
   use amontons_model, only: model_type, job_options_type
   use amontons_unpaired_contact, only: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
   use check, only: suite_type
-  use samples, only: deck_lines, horseshoe, last_step
+  use samples, only: deck_lines, horseshoe, last_step, two_squares
   implicit none
   character(*), parameter :: GENERAL = '*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;'
   type(suite_type) :: suite
@@ -59,11 +59,7 @@ contains
     character(:), allocatable :: message
     real(DP) :: u(3, 8)
     integer :: i
-    call read_deck_text(deck_lines('*NODE;1,0.,0.;2,1.,0.;3,1.,1.;4,0.,1.;5,0.,9.;6,1.,9.;7,1.,10.;8,0.,10.;' // &
-      '*ELEMENT, TYPE=CPE4, ELSET=LOW;1,1,2,3,4;*ELEMENT, TYPE=CPE4, ELSET=UP;2,5,6,7,8;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;' // &
-      '*SOLID SECTION, ELSET=LOW, MATERIAL=M;*SOLID SECTION, ELSET=UP, MATERIAL=M;*SURFACE, NAME=S_UP;UP, S1;' // &
-      '*SURFACE, NAME=S_LOW;LOW, S3;' // GENERAL // pair // '*STEP, NLGEOM;*STATIC;*BOUNDARY;1,1,2;2,2;5,1;' // &
-      '5,2,2,-0.5;6,2,2,-0.5;*END STEP;'), options, model, diagnostics, error)
+    call read_deck_text(two_squares(9.0_DP, GENERAL // pair), options, model, diagnostics, error)
     do i = 1, diagnostics%n_items
       call suite%that(diagnostics%items(i)%text, diagnostics%items(i)%is_warning)
     end do

@@ -1,4 +1,4 @@
-!> Unit test of unpaired_crossing: bodies that passed through each other without a pair, by their edges or on their paths.
+!> Unit test of unpaired_crossing: bodies that passed through each other, by their edges or on their paths.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_unpaired_crossing
   use amontons_kinds, only: DP
@@ -7,46 +7,55 @@ program test_unpaired_crossing
   use amontons_model, only: model_type, job_options_type
   use amontons_unpaired_contact, only: model_faces_type
   use amontons_unpaired_crossing, only: find_unpaired_crossing
-  use amontons_state, only: slave_state_type
+  use amontons_state, only: slave_state_type, STATUS_SLIP
   use check, only: suite_type
-  use samples, only: deck_lines
+  use samples, only: two_squares
   implicit none
+  character(*), parameter :: GENERAL = '*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;'
+  character(*), parameter :: PAIR = '*SURFACE INTERACTION, NAME=I;*CONTACT PAIR, INTERACTION=I;S_UP, S_LOW;'
   type(suite_type) :: suite
-  call move_up('not yet there', 0.0_DP, [0.0_DP, -1.9_DP], .false., '')
-  call move_up('it touches', 0.0_DP, [0.0_DP, -2.0_DP], .false., '')
-  call move_up('into the other one', 0.0_DP, [0.0_DP, -2.3_DP], .true., '')
-  call move_up('into the other one, a pair has both faces', 0.0_DP, [0.0_DP, -2.3_DP], .false., '*CONTACT EXCLUSIONS;S_UP, S_LOW;')
-  call move_up('right through', 0.0_DP, [0.0_DP, -9.0_DP], .true., '')
-  call move_up('past it', 0.0_DP, [30.0_DP, -9.0_DP], .false., '')
-  call move_up('they cross at the start', -2.5_DP, [0.0_DP, -0.3_DP], .false., '')
+  call move_up('not yet there', 3.0_DP, [0.0_DP, -1.9_DP], .false., GENERAL)
+  call move_up('it touches', 3.0_DP, [0.0_DP, -2.0_DP], .false., GENERAL)
+  call move_up('into the other one', 3.0_DP, [0.0_DP, -2.3_DP], .true., GENERAL)
+  call move_up('into the other one, excluded', 3.0_DP, [0.0_DP, -2.3_DP], .false., GENERAL // '*CONTACT EXCLUSIONS;S_UP, S_LOW;')
+  call move_up('right through', 3.0_DP, [0.0_DP, -9.0_DP], .true., GENERAL)
+  call move_up('past it', 3.0_DP, [30.0_DP, -9.0_DP], .false., GENERAL)
+  call move_up('they cross at the start', 0.5_DP, [0.0_DP, -0.3_DP], .false., GENERAL)
+  call move_up('without contact', 3.0_DP, [0.0_DP, -2.3_DP], .false., '')
+  call move_up('a pair by hand', 3.0_DP, [0.0_DP, -2.3_DP], .true., PAIR)
+  call move_up('a pair by hand beside general contact', 3.0_DP, [0.0_DP, -2.3_DP], .true., PAIR // GENERAL)
+  call move_up('they touch', 3.0_DP, [0.0_DP, -2.3_DP], .false., PAIR, &
+    slave_state_type(pair=1, node=6, status=STATUS_SLIP, gap=-0.3_DP))
+  call move_up('they touch, not so deep', 3.0_DP, [0.0_DP, -2.3_DP], .true., PAIR, &
+    slave_state_type(pair=1, node=6, status=STATUS_SLIP))
+  call move_up('an overclosure is allowed', 3.0_DP, [0.0_DP, -2.3_DP], .false., PAIR, &
+    slave_state_type(pair=1, node=5, offset=0.5_DP))
   call suite%finish()
 
 contains
 
   !> A square two above another one that is twice as wide, moved in one increment.
-  subroutine move_up(title, lift, way, is_found, cards)
+  subroutine move_up(title, height, way, is_found, cards, slave)
     character(*), intent(in) :: title
-    real(DP), intent(in) :: lift                 !< of the upper square at the start [length]
+    real(DP), intent(in) :: height               !< of the upper square at the start [length]
     real(DP), intent(in) :: way(2)               !< [length]
     logical, intent(in) :: is_found
     character(*), intent(in) :: cards
+    type(slave_state_type), intent(in), optional :: slave
     type(model_type) :: model
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     type(job_options_type) :: options
     type(model_faces_type) :: faces
     character(:), allocatable :: message
-    type(slave_state_type) :: slaves(0)
+    type(slave_state_type), allocatable :: slaves(:)
     real(DP) :: u(3, 8)
     integer :: turn
-    call read_deck_text(deck_lines('*NODE;1,-0.5,0.;2,1.5,0.;3,1.5,1.;4,-0.5,1.;5,0.,3.;6,1.,3.;7,1.,4.;8,0.,4.;' // &
-      '*ELEMENT, TYPE=CPE4, ELSET=LOW;1,1,2,3,4;*ELEMENT, TYPE=CPE4, ELSET=UP;2,5,6,7,8;*MATERIAL, NAME=M;*ELASTIC;100.,0.3;' // &
-      '*SOLID SECTION, ELSET=LOW, MATERIAL=M;*SOLID SECTION, ELSET=UP, MATERIAL=M;*SURFACE, NAME=S_UP;UP, S1;UP, S2;UP, S4;' // &
-      '*SURFACE, NAME=S_LOW;LOW, S3;*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;' // cards // &
-      '*STEP, NLGEOM;*STATIC;*BOUNDARY;1,1,2;2,2;5,1;5,2,2,-0.5;6,2,2,-0.5;*END STEP;'), options, model, diagnostics, error)
+    call read_deck_text(two_squares(height, cards), options, model, diagnostics, error)
     call suite%that(title // ': deck', .not. allocated(error))
     if (allocated(error)) return
-    model%mesh%coordinates(2, 5:8) = model%mesh%coordinates(2, 5:8) + lift
+    allocate (slaves(0))
+    if (present(slave)) slaves = [slave]
     u = 0
     u(1, 5:8) = way(1)
     u(2, 5:8) = way(2)
