@@ -6,9 +6,9 @@
 !!
 !! A node with several directors is a knot: all their nodes follow the node, its rotation w and a uniform stretch e,
 !! u_i = u + ((1 + e) R(w) - 1) (X_i - X). The stretch leaves the Poisson strain across the thickness free; a single
-!! fibre of a shell as a knot is no constraint at all, since it has as many degrees of freedom. The drill about fibres that are all
-!! parallel has no stiffness and is held, unless an EQUATION names it: each equation releases one drill, which follows the other
-!! terms and so holds none of them.
+!! fibre of a shell as a knot is no constraint of its outer nodes, since it has as many degrees of freedom. The drill about
+!! fibres that are all parallel has no stiffness and is held, unless an EQUATION names it: each equation releases one drill,
+!! which follows the other terms and so holds none of them.
 module amontons_knots
   use amontons_kinds, only: DP
   use amontons_loads, only: equation_type
@@ -45,7 +45,7 @@ contains
       do while (i <= size(structure%directors))  ! those of a node lie together
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
-          call add_knot(model, i, last, equations, n, mpcs, n_mpcs)
+          call add_knot(model, i, last, mpcs, n_mpcs)
           if (.not. is_drill_free(structure%directors(i)%node)) call hold_drill(model, structure%directors(i:last), equations, n)
         else
           call add_tie(model, structure%directors(i), equations, n)
@@ -216,11 +216,9 @@ contains
 
 
   !> A knot of the directors first to last.
-  subroutine add_knot(model, first, last, equations, n, mpcs, n_mpcs)
+  subroutine add_knot(model, first, last, mpcs, n_mpcs)
     type(model_type), intent(in) :: model
     integer, intent(in) :: first, last
-    type(equation_type), intent(inout) :: equations(:)
-    integer, intent(inout) :: n                  !< number of equations
     type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
     integer, intent(inout) :: n_mpcs            !< number of mpcs
     integer :: i, k
@@ -239,31 +237,41 @@ contains
           k = merge(size(directors(i)%nodes), directors(i)%n_outer, model%dialect == DIALECT_CALCULIX .or. &
             ubound(directors(i)%height, 1) > 1)
           mpc%node = [mpc%node, directors(i)%nodes(:k)]
+          if (k == size(directors(i)%nodes)) cycle
+          n_mpcs = n_mpcs + 1
+          mpcs(n_mpcs) = inner_nodes_of_knot(mpc, directors(i))
         end do
       end associate
-      do i = 1, size(directors)
-        if (directors(i)%is_meridional .and. size(directors(i)%nodes) == 3) call hold_middle(directors(i), section, equations, n)
-      end do
     end associate
   end subroutine add_knot
 
 
-  !> The middle of a fibre of an axisymmetric shell moves along the shell with the node where it lies; across the shell it is free,
-  !! because bending strains the thickness. Under an offset it is left to the stiffness.
-  subroutine hold_middle(director, section, equations, n)
-    type(director_type), intent(in) :: director
-    type(structural_section_type), intent(in) :: section
-    type(equation_type), intent(inout) :: equations(:)
-    integer, intent(inout) :: n                  !< number of equations
-    integer :: k(2)
-    real(DP) :: tangent(2)
-    if (abs(director%offset(1)) > 0) return
-    tangent = [director%axes(2, 1), -director%axes(1, 1)]
-    k = merge([1, 2], [2, 1], abs(tangent(1)) > abs(tangent(2)))   ! the largest term first: it is eliminated
-    n = n + 1
-    equations(n) = new_equation([director%nodes([3, 3]), director%node, director%node], [k, k], [tangent(k), -tangent(k)], &
-      section%card, section%line)
-  end subroutine hold_middle
+  !> The inner nodes of a fibre or cross-section follow the knot within the shell and along the beam, so that clamped edges and
+  !! joints are as stiff in tension as the rest. Across them they are free: bending strains thickness and cross-section.
+  pure function inner_nodes_of_knot(knot, director) result(mpc)
+    type(nonlinear_mpc_type), intent(in) :: knot !< of the outer nodes
+    type(director_type), intent(in) :: director  !< with inner nodes that the knot leaves
+    type(nonlinear_mpc_type) :: mpc
+    real(DP) :: axes(3, 3)
+    integer :: m
+    mpc = knot
+    mpc%node = director%nodes(director%n_outer + 1:)
+    if (director%n_outer == 4) then
+      axes(:, 1) = cross_product(director%axes(:, 1), director%axes(:, 2))
+      axes(:, 2:) = director%axes
+      mpc%is_bound = [.true., .false., .false.]
+    else
+      axes(:, 3) = director%axes(:, 1)
+      axes(:, 1) = 0
+      m = merge(3, minloc(abs(axes(:, 3)), dim=1), director%is_meridional)
+      axes(m, 1) = 1                             ! out of the plane of an axisymmetric shell
+      axes(:, 2) = cross_product(axes(:, 3), axes(:, 1))
+      axes(:, 2) = axes(:, 2) / norm2(axes(:, 2))
+      axes(:, 1) = cross_product(axes(:, 2), axes(:, 3))
+      mpc%is_bound = [.not. director%is_meridional, .true., .false.]
+    end if
+    mpc%axes = spread(axes, 3, size(mpc%node))
+  end function inner_nodes_of_knot
 
 
   !> The drills that EQUATION names, and one for each equation that is not held: a drill that is free in no other equation and that

@@ -123,6 +123,7 @@ def test_a_drill_holds_nothing(run_deck: Run, tmp_path: Path, equation: str, dia
     """A strip is pulled by F = 6: the middle of its edge, tied to a drill of the other strip, moves as without the equation."""
     pull = job(dialect, TWO, "*BOUNDARY\nROOT, 1, 6\n*CLOAD\n16, 1, 1.\n17, 1, 4.\n18, 1, 1.\n")
     free = solved(run_deck, tmp_path, pull)
+    assert free[17][0] == pytest.approx(6 * L / (E * WIDTH * THICK), rel=EXACT)
     rows = solved(run_deck, tmp_path, pull.replace("*STEP", f"*EQUATION\n2\n{equation}\n*STEP", 1).replace("ALL\nU", "ALL\nU, UR"))
     for node in (16, 17, 18):
         assert rows[node] == pytest.approx(free[node], rel=EXACT, abs=1e-9)

@@ -19,7 +19,7 @@ LOADS = {"straight": STRAIGHT, "curved": CURVED, "twisted": TWISTED}
 CASES = [
     ("straight", "S4", "regular", {"extension": 0.01, "in plane": 0.02, "out of plane": 0.025}),
     ("straight", "S8R", "regular", {"extension": 0.01, "in plane": 0.02, "out of plane": 0.02}),
-    ("straight", "S8R", "trapezoids", {"extension": 0.01, "in plane": 0.03, "out of plane": 0.02}),
+    ("straight", "S8R", "trapezoids", {"extension": 0.01, "in plane": 0.04, "out of plane": 0.02}),  # 0.9649 in CalculiX 2.20 as well
     ("straight", "S8R", "parallelograms", {"extension": 0.01, "in plane": 0.02, "out of plane": 0.02}),
     ("straight", "B31", "regular", {"extension": 0.01, "in plane": 0.02, "out of plane": 0.02}),
     ("straight", "B32", "regular", {"extension": 0.01, "in plane": 0.02, "out of plane": 0.03}),

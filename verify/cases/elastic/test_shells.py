@@ -29,6 +29,26 @@ def flat(u: Floats, v: Floats) -> tuple[Floats, Floats, Floats]:
     return 10 * u, v, 0 * u
 
 
+@pytest.mark.parametrize("n", [1, 2, 8])
+@pytest.mark.parametrize("kind", ["S8R", "S8", "S6"])
+def test_clamped_edge_in_tension(proof: Proof, kind: str, n: int) -> None:
+    """The whole thickness of a clamped edge is held, whatever the size of the elements."""
+    case = proof(
+        f"shell-clamp-{kind.lower()}-{n}",
+        title=f"A clamped strip of {kind} pulled, {n} elements",
+        model=f"A strip 10 x 1, thickness 0.5, E = 1.2e6, nu = 0, clamped at x = 0 by ENCASTRE, with a force of 60 along x at x = 10; {n} cells, small displacements.",
+        formula="u = F L / (E A).",
+        source="Bar theory, exact for nu = 0",
+        proves="The middle of the thickness is held with its faces where the rotations of a shell are.",
+    )
+    body = shell(kind, (n, 1), flat)
+    load = "*CLOAD\n" + "".join(f"{i + 1}, 1, {60 * w:.15g}\n" for i, w in body.edge_weights(0, 1.0).items())
+    job = case.run(body.cards() + section(1.2e6, 0.0, 0.5) + held(body.where(0, 0.0), "ENCASTRE") + step(load), kind)
+    for v in (0.0, 0.5, 1.0):
+        case.near(f"u at {v}", float(job.last("U")[body.at(1, v), 0]), 60 * 10 / (1.2e6 * 0.5), 1e-6, why="solver tolerance", place="the end", time="the end")
+    case.done()
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_bending(proof: Proof, kind: str) -> None:
     """A strip bent by moments at its end."""
