@@ -21,7 +21,7 @@ module amontons_unpaired_contact
   implicit none
   private
   public :: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
-  public :: prepare_faces, smallest_width, have_pair, other_side
+  public :: place_faces, smallest_width, have_pair, other_side
 
   real(DP), parameter :: TURNED_RATIO = 0.5_DP              !< motion that turns a face by less than 60 degrees, over its edge [-]
   real(DP), parameter :: NEIGHBOUR_RATIO = 1.5_DP           !< nearer faces, over their edge, are neighbours on the surface [-]
@@ -33,7 +33,9 @@ module amontons_unpaired_contact
     logical :: is_ready = .false.
     real(DP) :: motion = -1                        !< way that the pairs allow for; negative: not known yet [length]
     real(DP) :: least_width = -1                   !< least extent of an element; negative: not known yet [length]
-    type(exterior_type) :: exterior
+    type(exterior_type) :: exterior                !< at the start
+    type(exterior_type) :: now                     !< at the displacements placed_u
+    real(DP), allocatable :: placed_u(:, :)        !< (3, n_nodes) [length]
     type(face_data_type) :: data
     integer, allocatable :: slave_first(:), slave_pair(:)     !< pairs of which each face is a slave, in compressed lists
     integer, allocatable :: master_first(:), master_pair(:)   !< the same for masters
@@ -53,7 +55,6 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
     character(:), allocatable, intent(out) :: message   !< '': none
-    type(exterior_type) :: now
     type(near_faces_type) :: near
     real(DP) :: span, approach
     integer :: i, n_met
@@ -64,26 +65,24 @@ contains
     if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
     if (faces%motion <= SEARCH_RADIUS_RATIO * faces%least_width .and. span <= faces%motion) return
     if (span <= min(faces%motion, TURNED_RATIO * faces%least_width)) return
-    call prepare_faces(model, faces)
-    now = faces%exterior
-    call measure_faces(model%mesh, model%mesh%coordinates + u, now)
-    approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(now%edge_length))
+    call place_faces(model, faces, u)
+    approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(faces%now%edge_length))
     near%has_all_couples = .true.
-    call find_near_faces(model%general_contact, now, faces%data, TOUCHING_RADIUS, approach, near)
+    call find_near_faces(model%general_contact, faces%now, faces%data, TOUCHING_RADIUS, approach, near)
     n_met = near%face%n
     do i = 1, near%undecided%n, 2                  ! sheets that cross have met, too
       call near%face%add(near%undecided%items(i))
       call near%other%add(near%undecided%items(i + 1))
     end do
     do i = 1, near%face%n
-      associate (f => near%face%items(i), m => near%other%items(i))
+      associate (now => faces%now, f => near%face%items(i), m => near%other%items(i))
         if (are_covered(faces, f, m)) cycle
         if (i > n_met) exit
         if (may_meet(now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) exit
       end associate
     end do
     if (i > near%face%n) return
-    associate (mesh => model%mesh, f => near%face%items(i), m => near%other%items(i))
+    associate (mesh => model%mesh, now => faces%now, f => near%face%items(i), m => near%other%items(i))
       message = 'General contact: element ' // to_text(mesh%element_label(now%element(f))) // ' of ' // &
         body_name(model, now, now%body(f)) // ' reached ' // body_name(model, now, now%body(m)) // &
         ', from which it was too far or turned away at the start, and there is no pair of them. Give *CONTACT a REACH of more ' // &
@@ -100,7 +99,6 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment; zero without NLGEOM [length]
     character(:), allocatable, intent(out) :: message   !< '': none
-    type(exterior_type) :: now
     type(facets_type) :: facets
     type(facet_search_type) :: search
     integer, allocatable :: list(:)
@@ -110,26 +108,26 @@ contains
     if (.not. allocated(model%general_contact)) return
     if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
     if (displacement_span(model, u) < 0.5_DP * faces%least_width) return
-    call prepare_faces(model, faces)
+    call place_faces(model, faces, u)
     if (faces%exterior%n == 0) return
-    now = faces%exterior
-    call measure_faces(model%mesh, model%mesh%coordinates + u, now)
-    reach = min(displacement_span(model, du), maxval(now%edge_length)) + 0.25_DP * maxval(now%edge_length)
-    call list_facets(now%n, facets)
-    call build_facet_search(facets, exterior_positions(now, [(f, f=1, now%n)]), reach, search)
-    do f = 1, now%n
-      if (faces%data%is_rigid(f)) cycle
-      call find_near_facets(search, now%centre(:, f), list, n)
-      do k = 1, n
-        m = list(k)
-        if (now%body(m) /= now%body(f)) cycle
-        if (.not. meet(faces%exterior, now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) cycle
-        if (find_interaction(model%general_contact, faces%data, faces%data%group(f), faces%data%group(m), 0) == 0) cycle
-        if (have_pair(faces, f, m) .or. have_pair(faces, m, f)) cycle
-        call describe_unpaired_faces(model, faces%exterior, faces%data, f, m, message)
-        return
+    associate (now => faces%now)
+      reach = min(displacement_span(model, du), maxval(now%edge_length)) + 0.25_DP * maxval(now%edge_length)
+      call list_facets(now%n, facets)
+      call build_facet_search(facets, exterior_positions(now, [(f, f=1, now%n)]), reach, search)
+      do f = 1, now%n
+        if (faces%data%is_rigid(f)) cycle
+        call find_near_facets(search, now%centre(:, f), list, n)
+        do k = 1, n
+          m = list(k)
+          if (now%body(m) /= now%body(f)) cycle
+          if (.not. meet(faces%exterior, now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) cycle
+          if (find_interaction(model%general_contact, faces%data, faces%data%group(f), faces%data%group(m), 0) == 0) cycle
+          if (have_pair(faces, f, m) .or. have_pair(faces, m, f)) cycle
+          call describe_unpaired_faces(model, faces%exterior, faces%data, f, m, message)
+          return
+        end do
       end do
-    end do
+    end associate
   end subroutine find_unpaired_self_contact
 
 
@@ -218,6 +216,22 @@ contains
         ' or more, or *CONTACT PAIR with one surface that has both.'
     end if
   end subroutine describe_unpaired_faces
+
+
+  !> Measures the faces at some displacements; the checks of an increment share the measurement.
+  subroutine place_faces(model, faces, u)
+    type(model_type), intent(in) :: model
+    type(model_faces_type), intent(inout) :: faces !< prepared here if needed
+    real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    call prepare_faces(model, faces)
+    if (allocated(faces%placed_u)) then
+      if (all(abs(u - faces%placed_u) <= 0.0_DP)) return
+    else
+      faces%now = faces%exterior
+    end if
+    faces%placed_u = u
+    call measure_faces(model%mesh, model%mesh%coordinates + u, faces%now)
+  end subroutine place_faces
 
 
   !> Builds the exterior, the data of its faces and the pairs of each face. Cost: linear in faces and surfaces, once.

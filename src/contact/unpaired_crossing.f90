@@ -21,14 +21,14 @@ module amontons_unpaired_crossing
   use amontons_model, only: model_type, absent_elements
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_facet_crossing, only: plane_normal, cross_facet
-  use amontons_exterior_surface, only: exterior_type, measure_faces, is_thin
+  use amontons_exterior_surface, only: exterior_type, is_thin
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_body_motion, only: displacement_span
   use amontons_rigid_exterior, only: is_pair_driven, free_unknowns
   use amontons_general_contact, only: find_interaction, are_named, contact_rules, body_name
   use amontons_face_proximity, only: box_distance, find_active_faces, build_face_search, is_larger
-  use amontons_unpaired_contact, only: model_faces_type, prepare_faces, smallest_width, have_pair, other_side
+  use amontons_unpaired_contact, only: model_faces_type, place_faces, smallest_width, have_pair, other_side
   implicit none
   private
   public :: find_unpaired_crossing
@@ -66,7 +66,6 @@ contains
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
     integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
-    type(exterior_type) :: now
     type(scene_type) :: scene
     type(crossing_type) :: crossing
     real(DP) :: least
@@ -77,19 +76,18 @@ contains
     if (.not. allocated(faces%checked_u)) faces%checked_u = 0 * u
     if (max(displacement_span(model, u - faces%checked_u), displacement_span(model, du)) < least) return
     faces%checked_u = u
-    call prepare_faces(model, faces)
+    call place_faces(model, faces, u)
     if (faces%exterior%n_bodies < 2) return
-    now = faces%exterior
     scene%rules = contact_rules(model)
     scene%is_mortar = model%pairs%is_mortar
     if (.not. allocated(faces%may_cross)) then
-      allocate (faces%may_cross(now%n_bodies, now%n_bodies), source=.false.)
+      allocate (faces%may_cross(faces%exterior%n_bodies, faces%exterior%n_bodies), source=.false.)
       scene%x = model%mesh%coordinates
       scene%du = 0 * du
       scene%is_absent = absent_elements(model, 1)
       allocate (scene%penetration(model%mesh%n_nodes), source=-1.0_DP)
       allocate (scene%is_acting(size(model%pairs)), source=.true.)
-      call permit_crossings(scene, faces, now)
+      call permit_crossings(scene, faces, faces%exterior)
     end if
     scene%x = model%mesh%coordinates + u
     scene%du = du
@@ -98,13 +96,12 @@ contains
     scene%penetration = measure_penetrations(model, slaves)
     scene%is_acting = acting_pairs(model%pairs, slaves, least)
     if (allocated(model%steps(step)%is_removed)) scene%is_acting = scene%is_acting .and. .not. model%steps(step)%is_removed
-    call measure_faces(model%mesh, scene%x, now)
-    call find_crossing(scene, faces, now, crossing)
+    call find_crossing(scene, faces, faces%now, crossing)
     if (crossing%face(1) > 0) then
-      call describe_crossing(model, now, crossing, step, u, faces, message)
+      call describe_crossing(model, faces%now, crossing, step, u, faces, message)
     else if (.not. all(scene%is_acting)) then
       scene%is_acting = .not. scene%is_acting
-      call permit_crossings(scene, faces, now)
+      call permit_crossings(scene, faces, faces%now)
     end if
   end subroutine find_unpaired_crossing
 
@@ -221,12 +218,12 @@ contains
         call cross_facet(corner(:, :n), x(:, ends), is_crossed, point)
         if (is_crossed) then
           depth = min(depth_through(faces, now, m, ends, x), depth_through(faces, now, f, nodes, x))
-          if (depth >= least) call judge_crossing(scene, faces, now, ends, m, point, depth, crossing)
+          if (depth >= least) call judge_crossing(scene, faces, now, ends, [f, m], point, depth, crossing)
         end if
         if (norm2(du(:, own(k)) - motion) >= least .and. crossing%face(1) == 0) then
           call cross_on_path(corner(:, :n), x(:, own(k)), du(:, own(k)) - motion, least, is_crossed, point)
           depth = dot_product(now%normal(:, m), now%centre(:, m) - x(:, own(k)))
-          if (is_crossed) call judge_crossing(scene, faces, now, [own(k), own(k)], m, point, depth, crossing)
+          if (is_crossed) call judge_crossing(scene, faces, now, [own(k), own(k)], [f, m], point, depth, crossing)
         end if
         if (crossing%face(1) > 0) return
       end do
@@ -235,12 +232,12 @@ contains
 
 
   !> Takes a crossing of an edge in, if contact is to keep the face and one around the edge apart, and does not act there.
-  subroutine judge_crossing(scene, faces, now, ends, m, point, depth, crossing)
+  subroutine judge_crossing(scene, faces, now, ends, crossed, point, depth, crossing)
     type(scene_type), intent(in) :: scene
     type(model_faces_type), intent(in) :: faces
     type(exterior_type), intent(in) :: now
     integer, intent(in) :: ends(2)                 !< nodes of the edge
-    integer, intent(in) :: m                       !< crossed face
+    integer, intent(in) :: crossed(2)              !< face with the edge, and the face that it passes through
     real(DP), intent(in) :: point(3)               !< of the crossing [length]
     real(DP), intent(in) :: depth                  !< [length]
     type(crossing_type), intent(inout) :: crossing
@@ -249,7 +246,7 @@ contains
     logical :: is_free
     integer :: i, j, pair
     call list_around(faces, ends, around)
-    call list_beside(faces, now, m, beside)
+    call list_beside(faces, now, crossed(2), beside)
     do i = 1, around%n
       do j = 1, beside%n
         associate (g => around%items(i), h => beside%items(j))
@@ -260,7 +257,7 @@ contains
             crossing = crossing_type()
             return
           end if
-          if (j <= 2 .and. pair >= 0) crossing = crossing_type([g, m], pair)
+          if (j <= 2 .and. pair >= 0) crossing = crossing_type(crossed, pair)
         end associate
       end do
     end do

@@ -86,8 +86,12 @@ def test_edge_of_sheet(run_deck: Run, width: str, way: float, first: float, *, i
     done = run_deck(job(CUBE + UPRIGHT[width], DOWN.format(-way), is_nlgeom=is_nlgeom, first_increment=first))
     assert done.returncode == NOT_CONVERGED
     said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    if (width, way, is_nlgeom) == ("narrow", 0.5, True):
+        assert "FREE BODY: nothing holds a body against its load" in said, "the sheet's sides touch on the way in, and no increment converges"
+        return
     crossing = r"element \d+ of (B passed through element \d+ of S|S passed through element \d+ of B),"
-    assert re.search(crossing, said) or "FREE BODY: where contact is left, the body of element" in said, said  # the sides may hold the sheet
+    assert re.search(crossing, said), said
+    assert ("The edge of a sheet of rigid elements touches nothing" in said) or (not is_nlgeom and way > 0.25), said
 
 
 @pytest.mark.parametrize("is_nlgeom", [False, True])
