@@ -39,7 +39,7 @@ IS_STATIC = re.compile(r"^\*(static|visco)\b", re.I | re.M)
 OTHERS = re.compile(r"^\*(dynamic|frequency|buckle|heat\s*transfer|(un)?coupled\s*temperature|modal\s*dynamic|steady\s*state|green|"
                     r"electromagnetics|mass\s*diffusion|soils|geostatic|substructure|complex\s*frequency|no\s*analysis)", re.I | re.M)
 FORTRAN = {".for", ".f", ".f90"}
-ROUTINES = {"UEL": r"\*user\s*element", "UMAT": r"\*user\s*material", "USDFLD": r"\*user\s*defined\s*field"}  #: and the cards that need them
+ROUTINES = {"UEL": r"\*user\s*element(?!.*maxdof)", "UMAT": r"\*user\s*material", "USDFLD": r"\*user\s*defined\s*field"}  #: and the cards that need them; MAXDOF: CalculiX's own
 COMPILER_ENDED = "signal terminated program"  #: gfortran of its own process: the limit of time ends the compilation of a routine
 OUR_CODES = {0: "finishes", 3: "errors in the deck", 4: "model check", 5: "does not converge"}
 
@@ -150,7 +150,7 @@ def deviation(ours: Run, theirs: Run) -> float | None:
     both = [k for k in ours.u.keys() & theirs.u.keys() if np.abs(ours.u[k][0] - theirs.u[k][0]).max() < 1e-4 * size]
     if not both:
         return None
-    a, b = (np.array([run.u[k][1] for k in both]) for run in (ours, theirs))  # type: ignore[index]
+    a, b = (np.array([run.u[k][1][:3] for k in both]) for run in (ours, theirs))  # type: ignore[index]
     largest = float(np.abs(b).max())
     return float(np.abs(a - b).max()) / largest if largest > 0 else float(np.abs(a).max() > 0)
 
