@@ -9,7 +9,7 @@ module amontons_tensor
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
   public :: cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
   public :: rotation_matrix
-  public :: pack_voigt, unpack_voigt, double_dot, von_mises, symmetric_eigen, solve_normal_equations
+  public :: pack_voigt, unpack_voigt, push_forward, double_dot, von_mises, symmetric_eigen, solve_normal_equations
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
   real(DP), parameter :: VOIGT_IDENTITY(6) = [real(DP) :: 1, 1, 1, 0, 0, 0]
@@ -110,6 +110,24 @@ contains
     A(:, 2) = [v(4), v(2), v(5)]
     A(:, 3) = [v(6), v(5), v(3)]
   end function unpack_voigt
+
+
+  !> Push-forward of a symmetric tensor: F T F^T.
+  pure function push_forward(F, T) result(y)
+    real(DP), intent(in) :: F(3, 3)                !< any matrix
+    real(DP), intent(in) :: T(6)                   !< Voigt vector
+    real(DP) :: y(6)
+    real(DP) :: FT(3, 3)
+    FT(:, 1) = F(:, 1) * T(1) + F(:, 2) * T(4) + F(:, 3) * T(6)
+    FT(:, 2) = F(:, 1) * T(4) + F(:, 2) * T(2) + F(:, 3) * T(5)
+    FT(:, 3) = F(:, 1) * T(6) + F(:, 2) * T(5) + F(:, 3) * T(3)
+    y(1) = FT(1, 1) * F(1, 1) + FT(1, 2) * F(1, 2) + FT(1, 3) * F(1, 3)
+    y(2) = FT(2, 1) * F(2, 1) + FT(2, 2) * F(2, 2) + FT(2, 3) * F(2, 3)
+    y(3) = FT(3, 1) * F(3, 1) + FT(3, 2) * F(3, 2) + FT(3, 3) * F(3, 3)
+    y(4) = FT(1, 1) * F(2, 1) + FT(1, 2) * F(2, 2) + FT(1, 3) * F(2, 3)
+    y(5) = FT(2, 1) * F(3, 1) + FT(2, 2) * F(3, 2) + FT(2, 3) * F(3, 3)
+    y(6) = FT(1, 1) * F(3, 1) + FT(1, 2) * F(3, 2) + FT(1, 3) * F(3, 3)
+  end function push_forward
 
 
   !> a : b of two symmetric tensors in Voigt form.

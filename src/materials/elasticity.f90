@@ -8,7 +8,7 @@ module amontons_elasticity
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT, ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
-    pack_voigt, unpack_voigt
+    pack_voigt, push_forward
   use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
     tensor_from_principal, coth_divided_difference, NEXT_AXIS
   implicit none
@@ -137,7 +137,7 @@ contains
     type(principal_strains_type), intent(out) :: principal
     real(DP), intent(out) :: tau(6), strain(6), energy
     integer, intent(out) :: status
-    real(DP) :: lambda, G, S(6), F(3, 3)
+    real(DP) :: lambda, G, S(6)
     logical :: is_positive
     tau = 0
     strain = 0
@@ -149,8 +149,7 @@ contains
       strain = green_strain(H)
       S = hooke_stress(lambda, G, strain)
       energy = 0.5_DP * double_dot(S, strain)
-      F = IDENTITY + H
-      tau = pack_voigt(matmul(F, matmul(unpack_voigt(S), transpose(F))))
+      tau = push_forward(IDENTITY + H, S)
     else
       call find_principal_strains(left_cauchy_green(H), principal, is_positive)
       status = merge(STRESS_OK, STRESS_INVERTED, is_positive)

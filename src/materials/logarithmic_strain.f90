@@ -13,7 +13,7 @@
 module amontons_logarithmic_strain
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, VOIGT_ROW, VOIGT_COLUMN, double_dot, invert, pack_voigt, &
-    symmetric_eigen, unpack_voigt
+    push_forward, symmetric_eigen, unpack_voigt
   implicit none
   private
   public :: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, tensor_log, tensor_exp
@@ -58,34 +58,62 @@ contains
   end subroutine find_log_strain_axes
 
 
-  !> Kirchhoff stress and spatial tangent from T and dT/dE.
+  !> Kirchhoff stress and, if wanted, spatial tangent from T and dT/dE.
   !!
   !! In the axes: tau_AB = T_AB g_AB, g_AB = d/sinh(d), d = e_A - e_B;
-  !! c_ABCD = g_AB D_ABCD g_CD + the curvature of the logarithm, as a form of two strains h and k
-  !! 2 T_AB l_A l_B x_C ln[x_A, x_C, x_B] (h_AC k_CB + k_AC h_CB), with the second divided difference of ln and the
-  !! stretches l, x = l^2.
-  pure subroutine push_forward_log_law(axes, stress, tangent)
+  !! c_ABCD = g_AB D_ABCD g_CD + the curvature of the logarithm.
+  pure subroutine push_forward_log_law(axes, stress, is_tangent_wanted, tangent)
     type(log_strain_axes_type), intent(in) :: axes
     real(DP), intent(inout) :: stress(6)           !< in: T, reference axes; out: tau [stress]
+    logical, intent(in) :: is_tangent_wanted       !< if not, the tangent is not changed
     real(DP), intent(inout) :: tangent(6, 6)       !< in: dT/dE; out: spatial; engineering shears [stress]
-    real(DP) :: Q(6, 6), T(6), c(6, 6), g(6), d, xi
-    integer :: k, A, B, i, j
-    Q = voigt_transformation(transpose(axes%reference))
-    T = matmul(Q, stress)
-    c = matmul(Q, matmul(tangent, transpose(Q)))
+    real(DP) :: Q(6, 6), T(6), c(6, 6), g(6), d
+    integer :: k
+    T = push_forward(transpose(axes%reference), stress)
     do k = 1, 6
       d = axes%e(VOIGT_ROW(k)) - axes%e(VOIGT_COLUMN(k))
       g(k) = 1
       if (abs(d) > 1.0e-9_DP) g(k) = d / sinh(d)
     end do
+    stress = push_forward(axes%spatial_axes, g * T)
+    if (.not. is_tangent_wanted) return
+    Q = voigt_transformation(transpose(axes%reference))
+    c = matmul(Q, matmul(tangent, transpose(Q)))
     do k = 1, 6
       c(:, k) = g * c(:, k) * g(k)
+    end do
+    call add_logarithm_curvature(1 + axes%x, T, c)
+    Q = voigt_transformation(axes%spatial_axes)
+    tangent = matmul(Q, matmul(c, transpose(Q)))
+  end subroutine push_forward_log_law
+
+
+  !> Adds the curvature of the logarithm in the axes, as a form of two strains h and k
+  !! 2 T_AB l_A l_B x_C ln[x_A, x_C, x_B] (h_AC k_CB + k_AC h_CB), with the second divided difference of ln, which is symmetric, and
+  !! the stretches l, x = l^2.
+  pure subroutine add_logarithm_curvature(x, T, c)
+    real(DP), intent(in) :: x(3)                   !< eigenvalues of C [-]
+    real(DP), intent(in) :: T(6)                   !< in the axes [stress]
+    real(DP), intent(inout) :: c(6, 6)             !< [stress]
+    real(DP) :: ln(3, 3, 3), xi
+    integer :: A, B, k, i, j
+    do A = 1, 3
+      do B = A, 3
+        do k = B, 3
+          xi = second_divided_difference(x(A), x(B), x(k))
+          ln(A, B, k) = xi
+          ln(A, k, B) = xi
+          ln(B, A, k) = xi
+          ln(B, k, A) = xi
+          ln(k, A, B) = xi
+          ln(k, B, A) = xi
+        end do
+      end do
     end do
     do A = 1, 3
       do B = 1, 3
         do k = 1, 3
-          xi = 2 * T(VOIGT_INDEX(A, B)) * sqrt((1 + axes%x(A)) * (1 + axes%x(B))) * (1 + axes%x(k)) &
-            * second_divided_difference(1 + axes%x(A), 1 + axes%x(k), 1 + axes%x(B))
+          xi = 2 * T(VOIGT_INDEX(A, B)) * sqrt(x(A) * x(B)) * x(k) * ln(A, k, B)
           i = VOIGT_INDEX(A, k)
           j = VOIGT_INDEX(k, B)
           if (A /= k) xi = 0.5_DP * xi
@@ -95,10 +123,7 @@ contains
         end do
       end do
     end do
-    Q = voigt_transformation(axes%spatial_axes)
-    stress = matmul(Q, g * T)
-    tangent = matmul(Q, matmul(c, transpose(Q)))
-  end subroutine push_forward_log_law
+  end subroutine add_logarithm_curvature
 
 
   !> The second divided difference of ln at three positive numbers: where they are close, from the series of

@@ -31,7 +31,7 @@ module amontons_material_point
   use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, check_gradient, STRESS_OK, STRESS_INVERTED, &
     STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
-    pack_voigt, unpack_voigt, von_mises
+    pack_voigt, push_forward, unpack_voigt, von_mises
   use amontons_user_material, only: umat_point_type, evaluate_umat
   implicit none
   private
@@ -511,7 +511,7 @@ contains
     if (.not. is_positive) return
     if (point%is_output_wanted) point%strain = evaluate_output_strain(material, point%H)
     call evaluate_strain_law(material, moduli, tensor_log(left_cauchy_green(transpose(point%H)), 0.5_DP), point, status)
-    if (status == STRESS_OK) call push_forward_log_law(axes, point%stress, point%tangent)
+    if (status == STRESS_OK) call push_forward_log_law(axes, point%stress, point%is_tangent_wanted, point%tangent)
   end subroutine evaluate_log_law
 
 
@@ -531,8 +531,7 @@ contains
     associate (inelastic => point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
       has_past = any(abs(inelastic) > 0)
       if (has_past) then
-        call find_principal_strains(x + pack_voigt(matmul(F, matmul(unpack_voigt(tensor_exp(inelastic, -2.0_DP)), &
-          transpose(F)))), principal, is_positive)
+        call find_principal_strains(x + push_forward(F, tensor_exp(inelastic, -2.0_DP)), principal, is_positive)
       else
         call find_principal_strains(x, principal, is_positive)
       end if
@@ -619,7 +618,7 @@ contains
     call invert(IDENTITY + point%H, inverse, det)
     rest = -matmul(inverse, point%H)               ! F^-1 - 1
     b = tensor_from_principal(principal, expm1(2 * (principal%e - flow)))
-    b = pack_voigt(matmul(inverse, matmul(unpack_voigt(b), transpose(inverse)))) + left_cauchy_green(rest)
+    b = push_forward(inverse, b) + left_cauchy_green(rest)
     point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = tensor_log(b, -0.5_DP)
   end subroutine store_inelastic_strain
 
@@ -742,24 +741,6 @@ contains
     real(DP), intent(in) :: tau(6)                 !< Kirchhoff stress [stress]
     energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) + von_mises(tau)**2 / (6 * modulus)
   end function evaluate_elastic_energy
-
-
-  !> Push-forward of a symmetric tensor: F T F^T.
-  pure function push_forward(F, T) result(y)
-    real(DP), intent(in) :: F(3, 3)
-    real(DP), intent(in) :: T(6)
-    real(DP) :: y(6)
-    real(DP) :: FT(3, 3)
-    FT(:, 1) = F(:, 1) * T(1) + F(:, 2) * T(4) + F(:, 3) * T(6)
-    FT(:, 2) = F(:, 1) * T(4) + F(:, 2) * T(2) + F(:, 3) * T(5)
-    FT(:, 3) = F(:, 1) * T(6) + F(:, 2) * T(5) + F(:, 3) * T(3)
-    y(1) = FT(1, 1) * F(1, 1) + FT(1, 2) * F(1, 2) + FT(1, 3) * F(1, 3)
-    y(2) = FT(2, 1) * F(2, 1) + FT(2, 2) * F(2, 2) + FT(2, 3) * F(2, 3)
-    y(3) = FT(3, 1) * F(3, 1) + FT(3, 2) * F(3, 2) + FT(3, 3) * F(3, 3)
-    y(4) = FT(1, 1) * F(2, 1) + FT(1, 2) * F(2, 2) + FT(1, 3) * F(2, 3)
-    y(5) = FT(2, 1) * F(3, 1) + FT(2, 2) * F(3, 2) + FT(2, 3) * F(3, 3)
-    y(6) = FT(1, 1) * F(3, 1) + FT(1, 2) * F(3, 2) + FT(1, 3) * F(3, 3)
-  end function push_forward
 
 
   !> tau = K/2 (J^2 - 1) 1 + s, s = G dev b, b isochoric, with its tangent and energy.

@@ -135,7 +135,7 @@ contains
     type(material_type) :: material
     type(log_strain_axes_type) :: axes
     type(principal_strains_type) :: p
-    real(DP) :: tau(6), c(6, 6), strain(6), energy, T(6), dT(6, 6), E(3, 3), slope(3, 3)
+    real(DP) :: tau(6), c(6, 6), strain(6), energy, T(6), stress(6), dT(6, 6), E(3, 3), slope(3, 3)
     integer :: status, A
     logical :: is_positive
     material%law = LAW_HENCKY
@@ -150,9 +150,13 @@ contains
     end do
     T = hooke_stress(LAMBDA, G, pack_voigt(E))
     dT = isotropic_tangent(LAMBDA, G)
-    call push_forward_log_law(axes, T, dT)
+    stress = T
+    call push_forward_log_law(axes, T, .true., dT)
     call suite%near('pushed forward: stress', norm2(T - tau), 0.0_DP, 1.0e-13_DP)
     call suite%near('pushed forward: tangent', norm2(dT - c), 0.0_DP, 1.0e-12_DP)
+    call push_forward_log_law(axes, stress, .false., dT)
+    call suite%near('pushed forward: stress alone', norm2(stress - T), 0.0_DP, 0.0_DP)
+    call suite%near('pushed forward: the tangent as it was', norm2(dT - c), 0.0_DP, 1.0e-12_DP)
     call find_principal_strains(left_cauchy_green(H_GENERAL), p, is_positive)
     slope = LAMBDA + 2 * G * IDENTITY
     dT = principal_tangent(p, LAMBDA * sum(p%e) + 2 * G * p%e, slope, [2 * G, 2 * G, 2 * G])
