@@ -234,7 +234,7 @@ uses_contact_subproblem = kinds errors steps model state equilibrium newton_step
 uses_failure_messages = text failure
 uses_proximal_step = kinds errors controls mesh steps model contact_constraint_rows state contact_pairs equilibrium newton_step contact_subproblem
 uses_globalization = kinds errors controls steps model state equilibrium newton_step contact_subproblem proximal_step
-uses_newton = kinds errors iteration_records controls mesh steps model state equilibrium newton_step active_set_history active_set_cycling convergence tunnelling_check line_search contact_rounds globalization
+uses_newton = kinds errors iteration_records controls mesh steps model state boundary_conditions equilibrium newton_step active_set_history active_set_cycling convergence tunnelling_check line_search contact_rounds globalization
 uses_failure_report = kinds text failure iteration_records model contact_constraint_rows slave_node_overrides state contact_pairs equilibrium model_check_bodies model_check_motion active_set_history convergence failure_messages globalization newton
 uses_increment_control = kinds steps convergence
 

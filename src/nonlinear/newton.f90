@@ -24,6 +24,7 @@ module amontons_newton
     max_components, &
     OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
   use amontons_newton_step, only: set_proximal_shift
+  use amontons_boundary_conditions, only: find_support_powers
   implicit none
   private
   public :: newton_type, begin_newton, iterate
@@ -52,8 +53,8 @@ module amontons_newton
 contains
 
   !> Starts an increment with the loads at its end. Predictor: extrapolate with the velocity of the previous increment; where
-  !! elements fail there, start from the committed displacement. Slave nodes keep their status unless they slide farther than
-  !! newton%max_predicted_sliding of the controls.
+  !! elements fail there or the loads turn back, start from the committed displacement. Slave nodes keep their status unless they
+  !! slide farther than newton%max_predicted_sliding of the controls.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
     type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else is reset
     type(equilibrium_type), intent(inout) :: system
@@ -78,6 +79,7 @@ contains
         sliding < step%controls%newton%max_predicted_sliding)
     end if
     is_extrapolated = newton%outcome == OUTCOME_OK
+    if (is_extrapolated) is_extrapolated = .not. do_loads_turn_back(model, step, state, system%u_start)
     if (.not. is_extrapolated) then
       state%new%u = state%old%u
       state%new%load_factor = state%old%load_factor
@@ -91,6 +93,23 @@ contains
     call record_residual(newton, system, [system%largest_residual, maxval(max_components(system, system%residual_at_gap, -1))], &
       step%controls)                           ! K may not be assembled yet
   end subroutine begin_newton
+
+
+  !> Whether the loads of the increment turn back: the change of the forces, or the motion of the supports, times the velocity of the
+  !! previous increment is negative by most of its parts. Laws and friction with a memory answer stiffly then, and the motion before
+  !! says nothing about that after.
+  pure logical function do_loads_turn_back(model, step, state, u_start) result(is_so)
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(in) :: state          !< evaluated with the loads at the end of the increment
+    real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
+    real(DP) :: power, magnitude, works(size(u_start, 1), size(u_start, 2))
+    is_so = .false.
+    if (step%is_riks) return                       ! loads that decrease along a path lead on
+    call find_support_powers(model, step, state%new, u_start, state%old%u, state%old%v, power, magnitude)
+    works = (state%new%applied_force - state%old%applied_force) * state%old%v
+    is_so = power < -0.5_DP * magnitude .or. sum(works) < -0.5_DP * sum(abs(works))
+  end function do_loads_turn_back
 
 
   !> One iteration: choice of the step with its contact subproblem, line search, and verdict on the new iterate.
