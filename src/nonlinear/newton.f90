@@ -95,7 +95,7 @@ contains
   end subroutine begin_newton
 
 
-  !> Whether the loads of the increment turn back: the change of the forces, or the motion of the supports, times the velocity of the
+  !! previous increment is negative by most of its parts. Laws and friction with a memory answer stiffly then; the motion before
   !! previous increment is negative by most of its parts. Laws and friction with a memory answer stiffly then, and the motion before
   !! says nothing about that after.
   pure logical function do_loads_turn_back(model, step, state, u_start) result(is_so)
