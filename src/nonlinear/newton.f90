@@ -29,6 +29,8 @@ module amontons_newton
   private
   public :: newton_type, begin_newton, iterate
 
+  real(DP), parameter :: MIN_FORCE_CHANGE = 1.0e-3_DP    !< of loads that turn back, by their work on a motion [-]
+
   !> State of Newton's method within an increment.
   type :: newton_type
     type(convergence_measures_type) :: measures
@@ -95,9 +97,9 @@ contains
   end subroutine begin_newton
 
 
-  !! previous increment is negative by most of its parts. Laws and friction with a memory answer stiffly then; the motion before
-  !! previous increment is negative by most of its parts. Laws and friction with a memory answer stiffly then, and the motion before
-  !! says nothing about that after.
+  !> Whether the loads of the increment turn back: the change of the forces, or the motion of the supports, times the velocity of
+  !! the previous increment is negative by most of its parts. Laws and friction with a memory answer stiffly then; the motion before
+  !! says nothing about that after. Forces that change by less than a thousandth of their own work follow the motion.
   pure logical function do_loads_turn_back(model, step, state, u_start) result(is_so)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
@@ -108,7 +110,9 @@ contains
     if (step%is_riks) return                       ! loads that decrease along a path lead on
     call find_support_powers(model, step, state%new, u_start, state%old%u, state%old%v, power, magnitude)
     works = (state%new%applied_force - state%old%applied_force) * state%old%v
-    is_so = power < -0.5_DP * magnitude .or. sum(works) < -0.5_DP * sum(abs(works))
+    is_so = power < -0.5_DP * magnitude
+    if (sum(abs(works)) > MIN_FORCE_CHANGE * sum(abs(state%old%applied_force * state%old%v))) &
+      is_so = is_so .or. sum(works) < -0.5_DP * sum(abs(works))
   end function do_loads_turn_back
 
 
