@@ -15,7 +15,6 @@
 module amontons_user_material
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_text, only: to_text, plural
   use amontons_logarithmic_strain, only: voigt_transformation
   use amontons_materials, only: material_type, USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, &
     USER_ROTATION, USER_STATE
@@ -35,8 +34,6 @@ module amontons_user_material
   end type umat_point_type
 
   integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< components here are xx yy zz xy yz xz, there 11 22 33 12 13 23
-  integer, parameter :: N_GUARDS = 1000           !< numbers behind STATEV that the call at rest must not change
-  real(DP), parameter :: GUARD = 1.7e-181_DP      !< these numbers: no result of a routine [-]
   integer, parameter :: HISTORY_OFFSET = USER_STRESS - 1     !< number of history variables before those of umat_point_type
 
 contains
@@ -222,21 +219,12 @@ contains
     real(DP), intent(in) :: initial_statev(:)      !< there
     type(error_type), allocatable, intent(out) :: error
     type(umat_type) :: values
-    real(DP) :: statev(size(initial_statev) + N_GUARDS)
+    real(DP) :: statev(size(initial_statev))
     character(USER_NAME_LENGTH) :: name
-    integer :: last, n
     name = material%name
     values = at_rest
-    n = size(initial_statev)
-    statev(:n) = initial_statev
-    statev(n + 1:) = GUARD
-    call call_umat(material%routines, name, material%props, statev(:n), values)
-    last = findloc(.not. abs(statev(n + 1:) - GUARD) <= 0.0_DP, .true., dim=1, back=.true.)
-    if (last > 0) then
-      call set_error(error, EXIT_SETUP, 'UMAT of the material ''' // material%name // ''' writes STATEV(' // to_text(n + last) // &
-        '), but *DEPVAR gives it ' // plural(n, 'state variable') // '.')
-      return
-    end if
+    statev = initial_statev
+    call call_umat(material%routines, name, material%props, statev, values)
     if (values%is_accepted == 0 .or. .not. all(abs(values%ddsdde) <= huge(1.0_DP))) then
       call set_error(error, EXIT_SETUP, 'UMAT gives no DDSDDE for the material ''' // material%name // &
         ''' at rest (no strain, initial STATEV): it calls XIT, or gives what is not finite.')

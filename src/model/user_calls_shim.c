@@ -26,6 +26,27 @@ static const double NO_WISH = 1e36;
     pthread_mutex_unlock(&(self)->lock);                     \
   } while (0)
 
+/* Numbers behind STATEV that no routine may change: each works on a copy, so that it cannot damage the memory of the job. */
+enum { N_GUARDS = 256 };
+static const double GUARD = 1.7e-181;
+
+static void guard(double *copy, const double *statev, int nstatv)
+{
+  memcpy(copy, statev, (size_t)nstatv * sizeof *copy);
+  for (int i = 0; i < N_GUARDS; i++) copy[nstatv + i] = GUARD;
+}
+
+/* Takes the state variables from the copy; a call that wrote behind them stops the job with a message. */
+static void take_guarded(routines *self, const double *copy, double *statev, int nstatv)
+{
+  int last = N_GUARDS;
+  memcpy(statev, copy, (size_t)nstatv * sizeof *copy);
+  while (last > 0 && memcmp(&copy[nstatv + last - 1], &GUARD, sizeof GUARD) == 0) last--;
+  pthread_mutex_lock(&self->lock);
+  if (last > 0 && !self->is_stopped) amontons_user_report_overrun(self, nstatv, nstatv + last);
+  pthread_mutex_unlock(&self->lock);
+}
+
 typedef void umat_routine(double *stress, double *statev, double *ddsdde, double *sse, double *spd, double *scd, double *rpl,
                           double *ddsddt, double *drplde, double *drpldt, const double *stran, const double *dstran,
                           const double *time, const double *dtime, const double *temp, const double *dtemp,
@@ -68,14 +89,16 @@ void amontons_user_umat(void *handle, const char *cmname, const double *props, i
   }
   const int jstep[4] = {v->step, 1, 0, 0};
   const double none = 0;
-  double rpl = 0, drpldt = 0, ddsddt[6] = {0}, drplde[6] = {0}, pnewdt = NO_WISH;
+  double rpl = 0, drpldt = 0, ddsddt[6] = {0}, drplde[6] = {0}, pnewdt = NO_WISH, copy[nstatv + N_GUARDS];
   umat_routine *umat = (umat_routine *)(uintptr_t)self->routine[UMAT];
   const call_place where = {UMAT, v->noel, v->npt, 0, v->step, v->increment};
+  guard(copy, statev, nstatv);
   CALL(self, where,
-       umat(stress, statev, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde, &drpldt, stran,
+       umat(stress, copy, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde, &drpldt, stran,
             dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &v->ndi, &v->nshr, &ntens, &nstatv, props,
             &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel, &v->npt, &one, &one, jstep,
             &v->increment, NAME_LENGTH));
+  take_guarded(self, copy, statev, nstatv);
   memset(v->stress, 0, sizeof v->stress);
   memset(v->ddsdde, 0, sizeof v->ddsdde);
   for (int j = 0; j < ntens; j++) {
@@ -98,8 +121,11 @@ void amontons_user_sdvini(void *handle, double *statev, int nstatv, const double
   const int ncrds = 3, one = 1;
   sdvini_routine *sdvini = (sdvini_routine *)(uintptr_t)self->routine[SDVINI];
   const call_place where = {SDVINI, noel, npt, 0, 0, 0};
+  double copy[nstatv + N_GUARDS];
+  guard(copy, statev, nstatv);
   CALL(self, where,
-       sdvini(statev, coords, &nstatv, &ncrds, &noel, &npt, &one, &one));
+       sdvini(copy, coords, &nstatv, &ncrds, &noel, &npt, &one, &one));
+  take_guarded(self, copy, statev, nstatv);
   *is_taken = !self->is_stopped;
 }
 
@@ -324,16 +350,18 @@ void amontons_user_usdfld(void *handle, const char *names, double *field, double
   routines *self = handle;
   const int one = 1, none = 0;
   const double turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double pnewdt = NO_WISH;
+  double pnewdt = NO_WISH, copy[v->nstatv + N_GUARDS];
   usdfld_routine *usdfld = (usdfld_routine *)(uintptr_t)self->routine[USDFLD];
   const call_place where = {USDFLD, v->noel, v->npt, 0, v->step, v->increment};
   point_of_call = v;
   fields_of_call = field;
-  statev_of_call = statev;
+  statev_of_call = copy;
+  guard(copy, statev, v->nstatv);
   CALL(self, where,
-       usdfld(field, statev, &pnewdt, v->direct, turn, &v->celent, v->time, &v->dtime, names, names + NAME_LENGTH, &v->nfield,
+       usdfld(field, copy, &pnewdt, v->direct, turn, &v->celent, v->time, &v->dtime, names, names + NAME_LENGTH, &v->nfield,
               &v->nstatv, &v->noel, &v->npt, &one, &one, &v->step, &v->increment, &v->ndi, &v->nshr, v->coords, &none, &none,
               &none, &none, NAME_LENGTH, NAME_LENGTH));
+  take_guarded(self, copy, statev, v->nstatv);
   point_of_call = NULL;
   pthread_mutex_lock(&self->lock);
   v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;

@@ -141,10 +141,10 @@ static _Thread_local int has_signal_stack;
 static pthread_mutex_t handlers_lock = PTHREAD_MUTEX_INITIALIZER;
 
 /* The sentence about a call that went wrong. */
-static int describe_call(const routines *self, const char *cause, char *to, int capacity)
+static int describe_call(const routines *self, const char *verb, const char *cause, char *to, int capacity)
 {
   const call_place *at = &amontons_user_place;
-  int n = snprintf(to, (size_t)capacity, "The routine %s of %s has crashed", CAPITALS[at->routine], self->file);
+  int n = snprintf(to, (size_t)capacity, "The routine %s of %s %s", CAPITALS[at->routine], self->file, verb);
   if (at->element > 0) n += snprintf(to + n, (size_t)(capacity - n), " at element %d", at->element);
   if (at->point > 0) n += snprintf(to + n, (size_t)(capacity - n), ", integration point %d", at->point);
   if (at->node > 0) n += snprintf(to + n, (size_t)(capacity - n), " at node %d", at->node);
@@ -170,7 +170,7 @@ static void end_process(const char *cause)
   char text[2048];
   routines *self = amontons_user_inside;
   amontons_user_inside = NULL;
-  int n = describe_call(self, cause, text, (int)sizeof text - 100);
+  int n = describe_call(self, "has crashed", cause, text, (int)sizeof text - 100);
   n += snprintf(text + n, 100, " When it is repaired, amontons --resume continues the job from its checkpoint.\n");
   if (write(STDOUT_FILENO, start, sizeof start - 1) < 0 || write(STDOUT_FILENO, text, (size_t)n) < 0) _exit(EXIT_CODE);
   _exit(EXIT_CODE);
@@ -532,10 +532,24 @@ void amontons_user_news(void *handle, double *smallest, int *is_stopped, char *t
   pthread_mutex_unlock(&self->lock);
 }
 
+static void report(routines *self, const char *verb, const char *cause)
+{
+  char text[2048] = "*ERROR: ";
+  const int n = describe_call(self, verb, cause, text + 8, (int)sizeof text - 8);
+  say(self, text, (size_t)n + 8);
+}
+
 /* A message of the call that has crashed. */
 void amontons_user_report_crash(routines *self)
 {
-  char text[2048] = "*ERROR: ";
-  const int n = describe_call(self, cause_of(caught), text + 8, (int)sizeof text - 8);
-  say(self, text, (size_t)n + 8);
+  report(self, "has crashed", cause_of(caught));
+}
+
+void amontons_user_report_overrun(routines *self, int nstatv, int last)
+{
+  char cause[100];
+  snprintf(cause, sizeof cause, "it wrote STATEV(%d), but *DEPVAR gives it %d state variable%s", last, nstatv,
+           nstatv == 1 ? "" : "s");
+  self->is_stopped = CRASHED;
+  report(self, "is wrong", cause);
 }

@@ -43,4 +43,7 @@ void amontons_user_give_stack(void);
 /* Adds the sentence about the call that has crashed to the messages. */
 void amontons_user_report_crash(routines *self);
 
+/* The same of a call that wrote behind its state variables: their number, and the last one that it wrote. */
+void amontons_user_report_overrun(routines *self, int nstatv, int last);
+
 #endif

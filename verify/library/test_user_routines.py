@@ -655,12 +655,27 @@ def test_crash_in_the_first_call(run: Run, tmp_path: Path) -> None:
 
 
 def test_writes_behind_statev(run: Run, tmp_path: Path) -> None:
-    """A routine that fills more state variables than *DEPVAR gives: named before it breaks the memory of the job."""
+    """A routine that fills more state variables than *DEPVAR gives: named in the call at rest."""
     routines = with_lines("      DO K=1,NSTATV+3\n      STATEV(K)=1.D0*K\n      END DO\n", tmp_path)
     (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
     done = run(["job", f"user={routines.name}"], cwd=tmp_path)
     assert done.returncode == SETUP, done.stdout
-    assert "UMAT of the material 'STUFF' writes STATEV(4), but *DEPVAR gives it 1 state variable." in done.stdout
+    assert "In the call at rest for the material 'STUFF': The routine UMAT of changed.for is wrong" in done.stdout
+    assert "it wrote STATEV(4), but *DEPVAR gives it 1 state variable." in done.stdout
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_writes_behind_statev_when_it_flows(run: Run, tmp_path: Path, threads: int) -> None:
+    """The same in the second increment: the memory of the job is not damaged, and the first increment is on disk."""
+    routines = with_lines("      IF (TIME(2).GT.0.2D0) STATEV(NSTATV+10)=1.D0\n", tmp_path)
+    (tmp_path / "job.inp").write_text(solid_deck("C3D8", J2))
+    done = run(["job", f"user={routines.name}"], cwd=tmp_path, threads=threads)
+    assert done.returncode == NOT_CONVERGED, done.stdout
+    last = done.stdout.splitlines()[-1]
+    assert re.match(r"\*ERROR: The routine UMAT of changed.for is wrong at element [1-8], integration point [1-8] in increment 2 of step 1: ", last)
+    assert "it wrote STATEV(11), but *DEPVAR gives it 1 state variable." in last
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        assert file["VTKHDF/Steps/Values"][:].ravel().tolist() == [0.0, 0.25]
 
 
 def test_checks_of_the_compiler(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
