@@ -2,15 +2,16 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! General contact pairs faces that oppose each other near the start. The edge of a sheet, or a wedge, that is driven into a face
-!! opposes nothing; a body may come from beyond the search. A pair by hand may have a narrow master between coarse slave nodes, or
-!! slave nodes that supports drive. What all have in common: an edge of one body passes through a face of the other at the end of
-!! the increment, or the path of one of its nodes does within the increment.
+!! opposes nothing; a body may come from beyond the search. A pair by hand may have a narrow master between coarse slave nodes. What
+!! all have in common: an edge of one body passes through a face of the other at the end of the increment, or the path of one of its
+!! nodes does within the increment.
 !!
 !! Contact is to keep the face and a face around the edge apart: the rules of general contact say so, or a pair by hand that acts
 !! has both. The crossing is *known*, and no fault, where contact acts: a face around the edge opposes the face that it passes
 !! through, or one beside that behind which it lies by little more than the slave nodes, a pair has both, and a slave node there
-!! touches: a body that is pressed in crosses the side faces at the border of its contact. So it is where an exclusion or a tie has
-!! both, and of bodies that cross at the start or while their pair is removed.
+!! touches: a body that is pressed in crosses the side faces at the border of its contact. Of a pair by hand an end of the edge, or a
+!! corner of the face, that touches is enough: a corner that folds turns its faces. So it is where an exclusion or a tie has both, and
+!! of bodies that cross at the start or while their pair is removed.
 !!
 !! Cost: none while no node moved by a twentieth of an element; else linear in the faces that are within the boxes of other bodies.
 module amontons_unpaired_crossing
@@ -25,7 +26,7 @@ module amontons_unpaired_crossing
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_body_motion, only: displacement_span
-  use amontons_rigid_exterior, only: is_pair_driven, free_unknowns
+  use amontons_rigid_exterior, only: is_pair_driven
   use amontons_general_contact, only: find_interaction, are_named, contact_rules, body_name
   use amontons_face_proximity, only: box_distance, find_active_faces, build_face_search, is_larger
   use amontons_unpaired_contact, only: model_faces_type, place_faces, smallest_width, have_pair, other_side
@@ -243,8 +244,9 @@ contains
     type(crossing_type), intent(inout) :: crossing
     type(integer_list_type) :: around, beside
     real(DP) :: border                             ! depth to which the sides beside a contact may be crossed [length]
-    logical :: is_free
+    logical :: is_free, is_touching
     integer :: i, j, pair
+    is_touching = any(scene%penetration([ends, now%nodes(now%first(crossed(2)):now%first(crossed(2) + 1) - 1)]) >= 0.0_DP)
     call list_around(faces, ends, around)
     call list_beside(faces, now, crossed(2), beside)
     do i = 1, around%n
@@ -253,7 +255,7 @@ contains
           border = MAX_BORDER_DEPTH * now%edge_length(h) + max(0.0_DP, largest_penetration(scene, now, g, h))
           if (j > 2 .and. abs(dot_product(now%normal(:, h), point - now%centre(:, h))) > border) cycle
           call find_rule(scene, faces, g, h, is_free, pair)
-          if (is_free .or. acts_between(scene, faces, now, g, h, pair, depth)) then
+          if (is_free .or. (is_touching .and. pair > 0) .or. acts_between(scene, faces, now, g, h, pair, depth)) then
             crossing = crossing_type()
             return
           end if
@@ -423,9 +425,7 @@ contains
     end if
     message = pair // ': element ' // side_text(crossing%face(1)) // ' passed through element ' // &
       side_text(crossing%face(2)) // ', and no contact keeps them apart there. '
-    if (is_held()) then
-      message = message // 'Supports hold its slave nodes, which contact cannot push: swap slave and master.'
-    else if (.not. model%steps(step)%is_nlgeom .and. displacement_span(model, u) > faces%least_width) then
+    if (.not. model%steps(step)%is_nlgeom .and. displacement_span(model, u) > faces%least_width) then
       message = message // 'Without NLGEOM bodies touch only where they are near each other at the start: give NLGEOM on *STEP.'
     else if (any(is_thin(now%depth(crossing%face), now%edge_length(crossing%face)))) then
       message = message // 'The edge of a sheet of rigid elements touches nothing: make that body of solid elements with ' // &
@@ -452,15 +452,6 @@ contains
       character(:), allocatable :: text
       text = to_text(model%mesh%element_label(now%element(f))) // ' of ' // body_name(model, now, now%body(f))
     end function side_text
-
-    !> Whether supports hold a slave node of the pair by hand in all directions.
-    pure logical function is_held()
-      logical :: is_free(3, model%mesh%n_nodes)
-      is_held = .false.
-      if (crossing%pair == 0) return
-      is_free = free_unknowns(model, step)
-      is_held = any(.not. any(is_free(:, model%surfaces(model%pairs(crossing%pair)%slave)%nodes), dim=1))
-    end function is_held
 
   end subroutine describe_crossing
 

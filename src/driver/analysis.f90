@@ -28,6 +28,7 @@ module amontons_analysis
   use amontons_slave_nodes, only: accumulate_slip
   use amontons_user_element_forces, only: begin_user_elements, user_strain_energy, user_inelastic_work
   use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
+  use amontons_driven_slaves, only: find_driven_slave
   use amontons_unpaired_crossing, only: find_unpaired_crossing
   use amontons_model_change, only: activate_elements, relieve_elements
   use amontons_model_setup, only: set_up_model
@@ -476,7 +477,7 @@ contains
 
 
   !> Ends the job where faces have come together that general contact does not know to be near: of two bodies under NLGEOM, or of
-  !! one; and where bodies have passed through each other without a pair.
+  !! one; where bodies have passed through each other without a pair; and where supports drive slave nodes behind their master.
   subroutine check_unpaired_contact(analysis, error)
     type(analysis_type), intent(inout) :: analysis !< its faces
     type(error_type), allocatable, intent(out) :: error
@@ -489,6 +490,8 @@ contains
       else
         call find_unpaired_self_contact(analysis%model, faces, now%u, 0 * now%v, message)
       end if
+      if (message == '') call find_driven_slave(analysis%model, analysis%system%contact, now%slaves, now%u, &
+        max(1, analysis%stepping%step), message)
       if (message == '') call find_unpaired_crossing(analysis%model, faces, now%slaves, now%u, &
         now%time_increment * now%v, max(1, analysis%stepping%step), message)
     end associate

@@ -224,13 +224,28 @@ def test_permitted_crossings(run_deck: Run, reason: str) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("is_nlgeom", [False, True])
-def test_driven_slave(run_deck: Run, *, is_nlgeom: bool) -> None:
-    """Supports drive all slave nodes into the master: contact cannot push them, and the job says so."""
+def pressed(way: float, *, is_nlgeom: bool, nodes: str = "UZ0") -> str:
+    """A smaller block U that supports drive, all its nodes or those given at the bottom, into B."""
     bodies = block("B", 1, (4, 4, 1), (0, 0, 0), (1, 1, 0.5)) + block("U", 5001, (2, 2, 1), (0.2, 0.2, 0.52), (0.8, 0.8, 0.82))
-    supports = "BZ0, 1, 3\n" + "".join(f"{side}, 1, 2\n{side}, 3, 3, -0.1\n" for side in ("UZ0", "UZ1"))
-    done = run_deck(pair_job(bodies, supports, is_nlgeom=is_nlgeom))
+    supports = "BZ0, 1, 3\n" + "".join(f"{nodes_of}, 1, 2\n{nodes_of}, 3, 3, {-way}\n" for nodes_of in (*nodes.split(), "UZ1"))
+    return pair_job(bodies, supports, is_nlgeom=is_nlgeom)
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize(("nodes", "way"), [("UZ0", 0.1), ("UZ0", 0.03), ("UZ0", 0.0205), ("5001 5003 5005", 0.1)])
+def test_driven_slaves(run_deck: Run, nodes: str, way: float, *, is_nlgeom: bool) -> None:
+    """Supports drive all slave nodes into the master, far or a little, or some beside others that touch: the node and its depth are named."""
+    done = run_deck(pressed(way, is_nlgeom=is_nlgeom, nodes=nodes))
     assert done.returncode == NOT_CONVERGED
     said = re.sub(r"\s+", " ", done.stdout + done.stderr)
-    assert "Contact pair SU / SB: element" in said, said
-    assert "Supports hold its slave nodes, which contact cannot push: swap slave and master" in said, said
+    assert re.search(r"Contact pair SU / SB: supports drive the slave node 500[135] by [\d.E-]+ behind its master", said), said
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_slave_driven_under_a_law(run_deck: Run, *, is_nlgeom: bool) -> None:
+    """The remedy of that sentence: the force of a linear law acts on the master. Nor is a slave that stops before its master a fault."""
+    law = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.e6\n"
+    deck = pressed(0.03, is_nlgeom=is_nlgeom).replace("*SURFACE INTERACTION, NAME=I\n", "*SURFACE INTERACTION, NAME=I\n" + law)
+    for text in (deck, pressed(0.019, is_nlgeom=is_nlgeom)):
+        done = run_deck(text)
+        assert done.returncode == 0, done.stdout + done.stderr
