@@ -13,7 +13,7 @@ module amontons_boundary_conditions
   use amontons_nonlinear_mpc, only: add_nonlinear_mpcs, fix_unconnected_unknowns, TAG_PRESCRIBED
   implicit none
   private
-  public :: build_base_constraints, find_support_powers
+  public :: build_base_constraints, support_powers
 
   real(DP), parameter :: TOL_ROW_CONFLICT = 1.0e-9_DP      !< tolerance of contradicting rows, over the displacements [-]
   real(DP), parameter :: MIN_DISPLACEMENT_SCALE = 0.1_DP  !< lower bound of the displacement scale, over the size of the model [-]
@@ -131,28 +131,25 @@ contains
   end function prescribed_value
 
 
-  !> What the supports have to move from u on, times a velocity there: the sum, and the sum of the sizes [length^2/time].
-  pure subroutine find_support_powers(model, step, fields, u_start, u, v, power, magnitude)
+  !> What the supports of each node have to move from u on, times a velocity there [length^2/time].
+  pure function support_powers(model, step, fields, u_start, u, v) result(power)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields        !< times
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
     real(DP), intent(in) :: u(:, :), v(:, :)       !< (3, n_nodes) [length], [length/time]
-    real(DP), intent(out) :: power, magnitude
-    real(DP) :: direction(3), term
+    real(DP) :: power(size(u, 2))
+    real(DP) :: direction(3)
     integer :: i
     power = 0.0_DP
-    magnitude = 0.0_DP
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))
         direction = dof_direction(model, load%node, load%dof)
-        term = (prescribed_value(model, step, i, fields, dot_product(direction, u_start(:, load%node))) &
-          - dot_product(direction, u(:, load%node))) * dot_product(direction, v(:, load%node))
-        power = power + term
-        magnitude = magnitude + abs(term)
+        power(load%node) = power(load%node) + dot_product(direction, v(:, load%node)) * (prescribed_value(model, step, i, fields, &
+          dot_product(direction, u_start(:, load%node))) - dot_product(direction, u(:, load%node)))
       end associate
     end do
-  end subroutine find_support_powers
+  end function support_powers
 
 
   !> The rows of *EQUATION that hold in a step, with the violation at u as right-hand side.

@@ -24,7 +24,7 @@ module amontons_newton
     max_components, &
     OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
   use amontons_newton_step, only: set_proximal_shift
-  use amontons_boundary_conditions, only: find_support_powers
+  use amontons_boundary_conditions, only: support_powers
   implicit none
   private
   public :: newton_type, begin_newton, iterate
@@ -55,8 +55,8 @@ module amontons_newton
 contains
 
   !> Starts an increment with the loads at its end. Predictor: extrapolate with the velocity of the previous increment; where
-  !! elements fail there or the loads turn back, start from the committed displacement. Slave nodes keep their status unless they
-  !! slide farther than newton%max_predicted_sliding of the controls.
+  !! elements fail there or the loads turn back on a flow, start from the committed displacement. Slave nodes keep their status unless
+  !! they slide farther than newton%max_predicted_sliding of the controls.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
     type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else is reset
     type(equilibrium_type), intent(inout) :: system
@@ -98,21 +98,21 @@ contains
 
 
   !> Whether the loads of the increment turn back: the change of the forces, or the motion of the supports, times the velocity of
-  !! the previous increment is negative by most of its parts. Laws and friction with a memory answer stiffly then; the motion before
+  !! the previous increment is negative by most of its parts, and a law has a history. It answers stiffly then; the motion before
   !! says nothing about that after. Forces that change by less than a thousandth of their own work follow the motion.
   pure logical function do_loads_turn_back(model, step, state, u_start) result(is_so)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
     type(state_type), intent(in) :: state          !< evaluated with the loads at the end of the increment
     real(DP), intent(in) :: u_start(:, :)          !< (3, n_nodes) displacement at the start of the step [length]
-    real(DP) :: power, magnitude, works(size(u_start, 1), size(u_start, 2))
+    real(DP) :: power(size(u_start, 2))            ! of each node: no axes decide
     is_so = .false.
-    if (step%is_riks) return                       ! loads that decrease along a path lead on
-    call find_support_powers(model, step, state%new, u_start, state%old%u, state%old%v, power, magnitude)
-    works = (state%new%applied_force - state%old%applied_force) * state%old%v
-    is_so = power < -0.5_DP * magnitude
-    if (sum(abs(works)) > MIN_FORCE_CHANGE * sum(abs(state%old%applied_force * state%old%v))) &
-      is_so = is_so .or. sum(works) < -0.5_DP * sum(abs(works))
+    if (step%is_riks .or. all(model%materials%n_history == 0)) return   ! RIKS: loads that decrease along a path lead on
+    power = support_powers(model, step, state%new, u_start, state%old%u, state%old%v)
+    is_so = sum(power) < -0.5_DP * sum(abs(power))
+    power = sum((state%new%applied_force - state%old%applied_force) * state%old%v, dim=1)
+    if (sum(abs(power)) > MIN_FORCE_CHANGE * sum(abs(sum(state%old%applied_force * state%old%v, dim=1)))) &
+      is_so = is_so .or. sum(power) < -0.5_DP * sum(abs(power))
   end function do_loads_turn_back
 
 
