@@ -55,8 +55,8 @@ module amontons_newton
 contains
 
   !> Starts an increment with the loads at its end. Predictor: extrapolate with the velocity of the previous increment; where
-  !! elements fail there or the loads turn back on a flow, start from the committed displacement. Slave nodes keep their status unless
-  !! they slide farther than newton%max_predicted_sliding of the controls.
+  !! elements fail there or the loads turn back on a flow, start from the committed displacement. Slave nodes keep their status
+  !! unless they slide farther than newton%max_predicted_sliding of the controls.
   subroutine begin_newton(newton, system, model, step, is_step_start, state)
     type(newton_type), intent(inout) :: newton     !< force_scale is kept from increment to increment, all else is reset
     type(equilibrium_type), intent(inout) :: system
