@@ -243,7 +243,7 @@ PYTEST = OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} AMONTONS_BIN=$(BIN) AMONTONS_LIB
 test: programs $(VENV)/installed $(VENV)-doc/installed $(VENV)-api/installed ## Run all tests, those of the documentation site among them
 	@$(PYTEST) verify
 
-check: programs $(VENV)/installed ## Run the fast tests (under two minutes)
+check: programs $(VENV)/installed ## Run the fast tests (some minutes)
 	@$(PYTEST) -m "not slow" verify --ignore verify/peers
 
 ranks: all $(VENV)/installed ## With MPI=1: run the tests of several ranks, one at a time
