@@ -14,7 +14,7 @@ module amontons_driven_slaves
   use amontons_state, only: slave_state_type
   use amontons_contact_pairs, only: contact_type, update_gap, update_projection
   use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns
-  use amontons_shared_slave_nodes, only: MIN_FREE_PART
+  use amontons_shared_slave_nodes, only: support_free_projector, MIN_FREE_PART
   implicit none
   private
   public :: find_driven_slave
@@ -33,6 +33,7 @@ contains
     integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
     type(slave_state_type) :: slave
+    logical, allocatable :: is_movable(:)          ! (n_nodes) known from the first candidate on
     integer :: s
     message = ''
     do s = 1, size(slaves)
@@ -42,7 +43,10 @@ contains
       end associate
       slave = find_position(model, contact, s, slaves(s), u)
       if (.not. is_driven_behind(contact, s, slave, u)) cycle
-      if (.not. can_move(model, contact, slave, step)) cycle
+      if (.not. allocated(is_movable)) is_movable = movable_nodes(model, step)
+      associate (facets => contact%facets(slave%pair))
+        if (.not. any(is_movable(facets%nodes(facets%first(slave%facet):facets%first(slave%facet + 1) - 1)))) cycle
+      end associate
       message = 'Contact pair ' // model%pairs(slave%pair)%name // ': supports drive the slave node ' // &
         to_text(model%mesh%node_label(slave%node)) // ' by ' // to_text(-slave%gap) // ' behind its master, and exact ' // &
         'contact cannot push a node that supports hold. Swap slave and master, or give a *SURFACE BEHAVIOR, ' // &
@@ -82,27 +86,20 @@ contains
     if (slave%facet == 0) return
     associate (normal => slave%normal, depth => -slave%gap)
       if (depth < MIN_DEPTH * contact%facets(slave%pair)%edge_length(slave%facet)) return
-      if (norm2(contact%free_mask(:, s) * matmul(transpose(contact%axes(:, :, s)), normal)) >= MIN_FREE_PART) return
+      if (norm2(matmul(support_free_projector(contact%axes(:, :, s), contact%free_mask(:, s)), normal)) >= MIN_FREE_PART) return
       is_so = dot_product(u(:, slave%node), normal) <= -MIN_OWN_PART * depth
     end associate
   end function is_driven_behind
 
 
-  !> Whether the facet below a slave node has a displacement that supports do not prescribe.
-  logical function can_move(model, contact, slave, step)
+  !> The nodes with a displacement that supports do not prescribe, by themselves or as those of their rigid body.
+  function movable_nodes(model, step) result(is_movable)
     type(model_type), intent(in) :: model
-    type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: slave
     integer, intent(in) :: step                    !< of the model, from 1
+    logical :: is_movable(model%mesh%n_nodes)
     type(rigid_bodies_type) :: bodies
-    logical :: is_free(3, model%mesh%n_nodes)
-    is_free = free_unknowns(model, step)
     call collect_rigid_bodies(model, bodies)
-    associate (facets => contact%facets(slave%pair))
-      associate (nodes => facets%nodes(facets%first(slave%facet):facets%first(slave%facet + 1) - 1))
-        can_move = any(any(is_free(:, nodes), dim=1) .and. .not. bodies%is_driven(nodes))
-      end associate
-    end associate
-  end function can_move
+    is_movable = any(free_unknowns(model, step), dim=1) .and. .not. bodies%is_driven
+  end function movable_nodes
 
 end module amontons_driven_slaves

@@ -42,8 +42,9 @@ static void take_guarded(routines *self, const double *copy, double *statev, int
   int last = N_GUARDS;
   memcpy(statev, copy, (size_t)nstatv * sizeof *copy);
   while (last > 0 && memcmp(&copy[nstatv + last - 1], &GUARD, sizeof GUARD) == 0) last--;
+  if (last == 0) return;
   pthread_mutex_lock(&self->lock);
-  if (last > 0 && !self->is_stopped) amontons_user_report_overrun(self, nstatv, nstatv + last);
+  if (!self->is_stopped) amontons_user_report_overrun(self, nstatv, nstatv + last);
   pthread_mutex_unlock(&self->lock);
 }
 
