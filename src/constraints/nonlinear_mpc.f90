@@ -1,4 +1,4 @@
-!> Nonlinear multi-point constraints (rigid body, plane, straight, distance, rotation): rows, forces and second derivatives.
+!> Nonlinear multi-point constraints (rigid body, plane, straight, distance, rotations): rows, forces and second derivatives.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Each constraint consists of one or several functions g(u) = 0. Its row is dg/du du = -g at the current displacement, so that
@@ -12,6 +12,8 @@
 !! | STRAIGHT | two components of (x - x_2) x (x_1 - x_2) / d |
 !! | DISTANCE | (|x_1 - x_2|^2 - |X_1 - X_2|^2) / 2 d |
 !! | TURN | mean rotation of the nodes about the axis through their centre - u_1 of the pilot, times the radius |
+!! | FIT | L J^-1 sum p_i x R(w)' x_i, p_i = X_i - mean X, J = sum (p_i . p_i 1 - p_i p_i'), L the mean radius: |x_i - R p_i|^2
+!! is least in the sum but for a shift, and the forces of the constraint are those of a moment |
 !!
 !! R(w) is the exponential map (Rodrigues). The multiplier of a row is the force of the constraint; the tangent of the
 !! equilibrium gets sum multiplier * d2g/du2 (Belytschko, Liu, Moran, Nonlinear Finite Elements, sec. 6.3), taken from
@@ -19,10 +21,11 @@
 module amontons_nonlinear_mpc
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_tensor, only: cross_product, rotation_matrix
+  use amontons_tensor, only: cross_product, rotation_matrix, skew_matrix, invert
   use amontons_mesh, only: mesh_extent
   use amontons_loads, only: equation_type, equation_list_type
-  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
+  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION, &
+    MPC_FITTED_ROTATION
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, prescribe_unknown, find_multipliers, &
     is_in_constraint_row, ROW_CONFLICT
@@ -198,6 +201,7 @@ contains
     type(nonlinear_mpc_type), intent(in) :: mpc
     n = 1
     if (mpc%kind == MPC_STRAIGHT) n = 2
+    if (mpc%kind == MPC_FITTED_ROTATION) n = 3
     if (mpc%kind == MPC_RIGID_BODY) n = size(mpc%node) * count(mpc%is_bound)
   end function count_rows
 
@@ -211,6 +215,8 @@ contains
     type(constraint_row_type), allocatable, intent(out) :: rows(:)
     if (mpc%kind == MPC_RIGID_BODY) then
       call evaluate_rigid_body_rows(mpc, coordinates, u, is_nlgeom, rows)
+    else if (mpc%kind == MPC_FITTED_ROTATION) then
+      call evaluate_fitted_rows(mpc, coordinates, u, is_nlgeom, rows)
     else
       call evaluate_geometric_rows(mpc, coordinates, u, is_nlgeom, rows)
     end if
@@ -285,6 +291,64 @@ contains
       rows(k)%rhs = -g
     end do
   end subroutine evaluate_geometric_rows
+
+
+  !> The three rows of a FIT.
+  subroutine evaluate_fitted_rows(mpc, coordinates, u, is_nlgeom, rows)
+    type(nonlinear_mpc_type), intent(in) :: mpc
+    real(DP), intent(in) :: coordinates(:, :), u(:, :)
+    logical, intent(in) :: is_nlgeom
+    type(constraint_row_type), allocatable, intent(out) :: rows(:)
+    real(DP), allocatable :: shift(:, :), dg(:, :, :)
+    real(DP) :: g(3)
+    integer, allocatable :: nodes(:)
+    integer :: k, i
+    nodes = list_hessian_nodes(mpc)
+    shift = u(:, nodes)
+    call evaluate_fit(coordinates(:, mpc%node), merge(shift, 0.0_DP, is_nlgeom), g, dg)
+    allocate (rows(3))
+    do k = 1, 3
+      rows(k)%unknown = [(unknowns_of(nodes(i)), i=1, size(nodes))]
+      rows(k)%coefficient = reshape(dg(:, :, k), [size(shift)])
+      rows(k)%rhs = -g(k)
+      if (.not. is_nlgeom) rows(k)%rhs = -sum(dg(:, :, k) * shift)
+    end do
+  end subroutine evaluate_fitted_rows
+
+
+  !> g of a FIT and its derivative with respect to the displacements of the nodes and the rotation vector.
+  subroutine evaluate_fit(X, u, g, dg)
+    real(DP), intent(in) :: X(:, :)                !< (3, n) reference [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, n + 1) displacements [length], then the rotation vector
+    real(DP), intent(out) :: g(3)                  !< [length]
+    real(DP), allocatable, intent(out) :: dg(:, :, :)   !< (3, n + 1, 3): of g(k) in (:, :, k) [-], [length]
+    real(DP) :: R(3, 3), dR(3, 3, 3), arm(3, size(X, 2)), away(3, size(X, 2)), J(3, 3), weight(3, 3), &
+      slope(3, 3), moment(3), radius, det
+    integer :: i, k, n
+    n = size(X, 2)
+    arm = X - spread(sum(X, 2) / real(n, DP), 2, n)
+    away = arm + u(:, :n) - spread(sum(u(:, :n), 2) / real(n, DP), 2, n)
+    call rotation_matrix(u(:, n + 1), R, dR)
+    J = -matmul(arm, transpose(arm))
+    do k = 1, 3
+      J(k, k) = J(k, k) + sum(arm**2)
+    end do
+    radius = sqrt(sum(arm**2) / real(n, DP))
+    call invert(J, weight, det)
+    weight = radius * weight
+    allocate (dg(3, n + 1, 3))
+    moment = 0.0_DP
+    slope = 0.0_DP
+    do i = 1, n
+      moment = moment + cross_product(arm(:, i), matmul(away(:, i), R))
+      do k = 1, 3
+        slope(:, k) = slope(:, k) + cross_product(arm(:, i), matmul(away(:, i), dR(:, :, k)))
+      end do
+      dg(:, i, :) = transpose(matmul(weight, matmul(skew_matrix(arm(:, i)), transpose(R))))
+    end do
+    g = matmul(weight, moment)
+    dg(:, n + 1, :) = transpose(matmul(weight, slope))
+  end subroutine evaluate_fit
 
 
   !> g (for TURN without the pilot) and its derivative with respect to the positions of the nodes.
@@ -396,6 +460,7 @@ contains
       if (mpc%expansion > 0) nodes = [nodes, mpc%expansion]
     else
       nodes = mpc%node
+      if (mpc%kind == MPC_FITTED_ROTATION) nodes = [nodes, mpc%rotation]
     end if
   end function list_hessian_nodes
 
@@ -412,10 +477,10 @@ contains
     integer :: j
     nodes = list_hessian_nodes(mpc)
     allocate (H(3 * size(nodes), 3 * size(nodes)))
-    h_step = 1.0e-5_DP
-    if (mpc%kind /= MPC_RIGID_BODY) h_step = 1.0e-4_DP * find_mpc_size(mpc, coordinates)
     moved = u(:, nodes)
     do j = 1, 3 * size(nodes)
+      h_step = 1.0e-5_DP                             ! of rotations and stretches
+      if (any(nodes((j + 2) / 3) == mpc%node)) h_step = 1.0e-4_DP * find_mpc_size(mpc, coordinates)
       associate (unknown => moved(mod(j - 1, 3) + 1, (j + 2) / 3))
         unknown = unknown + h_step
         plus = sum_weighted_gradients(mpc, coordinates, moved, multiplier)
@@ -436,10 +501,17 @@ contains
     real(DP), intent(in) :: u_curved(:, :)         !< (3, n curved)
     real(DP), intent(in) :: multiplier(:)
     real(DP) :: slope(3 * size(u_curved, 2))
-    real(DP) :: R(3, 3), dR(3, 3, 3), torque(3, 3), g
-    real(DP), allocatable :: dg(:, :)
+    real(DP) :: R(3, 3), dR(3, 3, 3), torque(3, 3), g, of_fit(3)
+    real(DP), allocatable :: dg(:, :), dg_fit(:, :, :)
     integer :: k
     slope = 0.0_DP
+    if (mpc%kind == MPC_FITTED_ROTATION) then
+      call evaluate_fit(coordinates(:, mpc%node), u_curved, of_fit, dg_fit)
+      do k = 1, 3
+        slope = slope + multiplier(k) * reshape(dg_fit(:, :, k), [size(u_curved)])
+      end do
+      return
+    end if
     if (mpc%kind == MPC_RIGID_BODY) then
       torque = sum_force_moments(mpc, coordinates, multiplier)
       call rotation_matrix(u_curved(:, 1), R, dR)

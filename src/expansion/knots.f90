@@ -14,7 +14,7 @@ module amontons_knots
   use amontons_loads, only: equation_type
   use amontons_mesh, only: append_nodes
   use amontons_model, only: model_type, new_equation, DIALECT_CALCULIX
-  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_MEAN_ROTATION
+  use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_MEAN_ROTATION, MPC_FITTED_ROTATION
   use amontons_structural_data, only: structure_type, structural_section_type, director_type, mean_weights, find_node_directors
   use amontons_tensor, only: cross_product
   implicit none
@@ -50,7 +50,7 @@ contains
         else
           call add_tie(model, structure%directors(i), equations, n)
           if (structure%is_turned(structure%directors(i)%node)) &
-            call add_mean_rotations(model, structure%directors(i), mpcs, n_mpcs)
+            call add_rotations(model, structure%directors(i), mpcs, n_mpcs)
           if (is_drill_named(structure%directors(i)%node) .and. .not. is_drill_free(structure%directors(i)%node)) &
             call hold_drill(model, structure%directors(i:i), equations, n)
         end if
@@ -190,29 +190,38 @@ contains
   end function inner_place
 
 
-  !> The mean rotations of the outer nodes of a director about the global axes are the displacements of its rotation node. A fibre
-  !! has none about an axis along it.
-  subroutine add_mean_rotations(model, director, mpcs, n)
+  !> The rotation of a cross-section, or in the calculix dialect of a fibre too, is that of its rotation node: one that fits the
+  !! outer nodes best, which does not depend on the direction of the beam and whose forces are those of the moment; the
+  !! cross-section may warp. In the calculix dialect the mean rotations about the global axes; a fibre has none along it.
+  subroutine add_rotations(model, director, mpcs, n)
     type(model_type), intent(in) :: model
     type(director_type), intent(in) :: director
     type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
     integer, intent(inout) :: n                  !< number of mpcs
-    real(DP) :: axis(3)
+    type(nonlinear_mpc_type) :: mpc
     integer :: k
-    do k = 1, 3
-      axis = 0
-      axis(k) = 1
-      if (director%n_outer == 2 .and. norm2(cross_product(axis, director%axes(:, 1))) < TOL_DRILL) cycle
+    mpc%node = director%nodes(:director%n_outer)
+    mpc%card = model%structure%sections(director%section)%card
+    mpc%line = model%structure%sections(director%section)%line
+    if (model%dialect /= DIALECT_CALCULIX) then
+      mpc%kind = MPC_FITTED_ROTATION
+      mpc%reference = director%node
+      mpc%rotation = model%rotation_of(director%node)
       n = n + 1
-      mpcs(n)%kind = MPC_MEAN_ROTATION
-      mpcs(n)%node = director%nodes(:director%n_outer)
-      mpcs(n)%reference = model%rotation_of(director%node)
-      mpcs(n)%pilot_direction = k
-      mpcs(n)%axis = axis
-      mpcs(n)%card = model%structure%sections(director%section)%card
-      mpcs(n)%line = model%structure%sections(director%section)%line
+      mpcs(n) = mpc
+      return
+    end if
+    mpc%kind = MPC_MEAN_ROTATION
+    mpc%reference = model%rotation_of(director%node)
+    do k = 1, 3
+      mpc%axis = 0
+      mpc%axis(k) = 1
+      if (director%n_outer == 2 .and. norm2(cross_product(mpc%axis, director%axes(:, 1))) < TOL_DRILL) cycle
+      mpc%pilot_direction = k
+      n = n + 1
+      mpcs(n) = mpc
     end do
-  end subroutine add_mean_rotations
+  end subroutine add_rotations
 
 
   !> A knot of the directors first to last.

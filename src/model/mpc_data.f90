@@ -8,20 +8,21 @@ module amontons_mpc_data
   implicit none
   private
   public :: nonlinear_mpc_type, nonlinear_mpc_list_type, tie_type, distributing_coupling_type, coordinate_system_type, axes_at
-  public :: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION
+  public :: MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE, MPC_MEAN_ROTATION, MPC_FITTED_ROTATION
 
   integer, parameter :: MPC_RIGID_BODY = 1        !< the nodes move with a reference node as a rigid body
   integer, parameter :: MPC_PLANE = 2       !< the node stays in the plane of three others
   integer, parameter :: MPC_STRAIGHT = 3    !< the node stays on the line through two others
   integer, parameter :: MPC_DISTANCE = 4    !< two nodes keep their distance
   integer, parameter :: MPC_MEAN_ROTATION = 5        !< the mean rotation of the nodes about an axis is the displacement of a pilot
+  integer, parameter :: MPC_FITTED_ROTATION = 6      !< the rotation vector is that of the rotation that fits the nodes best
 
   !> One nonlinear multi-point constraint.
   type :: nonlinear_mpc_type
     integer :: kind = MPC_RIGID_BODY
     integer, allocatable :: node(:)          !< the constrained nodes; PLANE, STRAIGHT: the node, then those that define it
     integer :: reference = 0                 !< BODY: the reference node; MEAN_ROTATION: the pilot node, its first displacement
-    integer :: rotation = 0                  !< BODY: the rotation node
+    integer :: rotation = 0                  !< BODY, FITTED_ROTATION: the rotation node
     integer :: expansion = 0                 !< BODY: the node whose first displacement is its uniform stretch, 0: it is rigid
     integer :: pilot_direction = 1           !< MEAN_ROTATION: the displacement of the pilot node that is the angle
     logical :: is_bound(3) = .true.          !< BODY: constrained directions

@@ -85,6 +85,37 @@ def test_cantilever(proof: Proof, name: str, kind: str) -> None:
     case.near("under its weight", bend(jobs["weight"], 1), weight, 1e-3, why=why, place=place, time="the end")
     case.done()
 
+DIRECTIONS = {
+    "in a plane": np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]]),
+    "in space": np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3,
+}
+
+
+@pytest.mark.parametrize("is_finite", [False, True], ids=["linear", "nlgeom"])
+@pytest.mark.parametrize("kind", ["B31", "B32"])
+@pytest.mark.parametrize("section", [rectangle(0.3, 0.2), circle(0.3), pipe(0.3, 0.05)], ids=["rect", "circ", "pipe"])
+def test_moment_on_a_beam_in_any_direction(run_deck: Run, tmp_path: Path, section: Section, kind: str, is_finite: bool) -> None:
+    """Cross-sections turn by T x / (G J), M x / (E I): 1 %, of products of the angles. In other directions they do to the digits of the table."""
+    stiffness = np.array([MODULUS / (2 * (1 + RATIO)) * section.torsion, MODULUS * section.inertia_2, MODULUS * section.inertia_1])
+    angles = np.array([0.002, 0.003, 0.005])  # about the axis, direction 1 and direction 2
+    turns = {}
+    for name, axes in {"along x": np.eye(3), **DIRECTIONS}.items():
+        places = np.outer(np.linspace(0, LENGTH, 21), axes[:, 0])
+        moment = axes @ (stiffness * angles / LENGTH)
+        elements = [(i, i + 1) for i in range(1, 21)] if kind == "B31" else [(i, i + 1, i + 2) for i in range(1, 21, 2)]
+        deck = "*NODE, NSET=N\n" + "".join(f"{i + 1}, {x:.15g}, {y:.15g}, {z:.15g}\n" for i, (x, y, z) in enumerate(places))
+        deck += f"*NSET, NSET=END\n21\n*ELEMENT, TYPE={kind}, ELSET=E\n" + "".join(f"{i + 1}, {', '.join(map(str, nodes))}\n" for i, nodes in enumerate(elements))
+        deck += f"*MATERIAL, NAME=M\n*ELASTIC\n{MODULUS}, {RATIO}\n*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION={section.word}\n{section.data}\n"
+        deck += ", ".join(f"{a:.15g}" for a in axes[:, 1]) + "\n" + step("*CLOAD\n" + "".join(f"END, {4 + k}, {moment[k]:.15g}\n" for k in range(3))
+                                                                      + "*NODE PRINT, NSET=N\nUR\n")  # fmt: skip
+        done = run_deck(deck.replace("*STEP", "*STEP, NLGEOM") if is_finite else deck)
+        assert done.returncode == 0, done.stdout + done.stderr
+        rows = next(table for table in read_dat(tmp_path / "job.dat") if table.title.startswith("rotations")).rows
+        turns[name] = np.array([rows[(21,)], np.subtract(rows[(15,)], rows[(7,)])]) @ axes
+    assert np.abs(turns["along x"][1] - 0.4 * angles).max() <= 0.01 * 0.4 * angles.max(), turns["along x"]
+    for name in DIRECTIONS:
+        assert np.abs(turns[name] - turns["along x"]).max() <= 2e-6 * angles.max(), (name, turns)
+
 
 def general(deck: str, third: str, parameters: str = "") -> str:
     """The deck with BEAM GENERAL SECTION: its third line gives the elasticity that *MATERIAL had."""

@@ -6,8 +6,7 @@ program test_nonlinear_mpc
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
     eliminate_constraints, find_multipliers, ROW_ACCEPTED
   use amontons_mpc_data, only: nonlinear_mpc_type, coordinate_system_type, axes_at, MPC_RIGID_BODY, MPC_PLANE, MPC_STRAIGHT, &
-    MPC_DISTANCE, &
-    MPC_MEAN_ROTATION
+    MPC_DISTANCE, MPC_MEAN_ROTATION, MPC_FITTED_ROTATION
   use amontons_tensor, only: rotation_matrix
   use check, only: suite_type
   implicit none
@@ -81,7 +80,7 @@ contains
     integer :: kind
     X = reshape([0.0_DP, 0.0_DP, 0.0_DP, 2.0_DP, 0.1_DP, 0.0_DP, 0.3_DP, 1.5_DP, 0.2_DP, 0.2_DP, -0.4_DP, 1.7_DP, &
       1.1_DP, 0.9_DP, 0.8_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.6_DP, 0.7_DP, -0.5_DP], [3, N_NODES])
-    do kind = MPC_RIGID_BODY, MPC_MEAN_ROTATION
+    do kind = MPC_RIGID_BODY, MPC_FITTED_ROTATION
       mpc = nonlinear_mpc_type(kind=kind)
       mpc%card = 'TEST'
       select case (kind)
@@ -104,6 +103,9 @@ contains
         mpc%reference = 6
         mpc%pilot_direction = 2
         mpc%axis = [1.0_DP, 2.0_DP, 2.0_DP] / 3.0_DP
+      case (MPC_FITTED_ROTATION)
+        mpc%node = [1, 2, 3, 4, 7]
+        mpc%rotation = 6
       end select
       call check_rows(suite, mpc, X, .true.)
       call check_rows(suite, mpc, X, .false.)
