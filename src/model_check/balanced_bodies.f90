@@ -1,12 +1,13 @@
 !> Free bodies under balanced loads: supports at single degrees of freedom that hold the rigid motion and carry no force.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! A body that can move as a rigid body has an equilibrium if its loads do no work on the free motions; its displacement is then
-!! determined but for such a motion. As many degrees of freedom as there are free motions are held, chosen so that they hold them
-!! best (largest rows first, with orthogonalization). Their reactions balance the work of the loads on the motions, which is zero:
-!! stresses and strains do not depend on the choice. A beam that may turn about its axis is held by the mean rotation of one
-!! cross-section, which its deflection does not enter; a shell by mean displacements of its fibres. Bodies with contact are left
-!! alone: contact forces are not known beforehand.
+!! Bodies that can move, alone or as equations couple them, have an equilibrium if the loads do no work on the free motions; their
+!! displacement is then determined but for such a motion. Each node with unknowns moves with its own body: the nodes of elements,
+!! reference nodes of rigid bodies, nodes of shells and beams, and the rotation nodes of all these. As many degrees of freedom as
+!! there are free motions are held, chosen so that they hold them best (largest rows first, with orthogonalization). Their reactions
+!! balance the work of the loads on the motions, which is zero: stresses and strains do not depend on the choice. A beam that may
+!! turn about its axis is held by the mean rotation of one cross-section, which its deflection does not enter; a shell by mean
+!! displacements of its fibres. Bodies with contact are left alone: contact forces are not known beforehand.
 module amontons_balanced_bodies
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
@@ -16,10 +17,11 @@ module amontons_balanced_bodies
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_structural_data, only: find_node_directors
+  use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_state, only: state_type, slave_state_type, create_state
   use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list
-  use amontons_model_check_motion, only: free_body_type, find_free_bodies, rigid_motion
+  use amontons_model_check_motion, only: cluster_type, find_free_clusters, rigid_motion
   implicit none
   private
   public :: balancing_support_type, find_balancing_supports, support_equation
@@ -67,9 +69,10 @@ contains
     type(balancing_support_type), allocatable, intent(out) :: supports(:)
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
-    type(free_body_type), allocatable :: free(:)
+    type(cluster_type), allocatable :: free(:)
     type(balancing_support_type), allocatable :: added(:)
     logical, allocatable :: is_usable(:)
+    integer, allocatable :: place(:)               ! (n_nodes) of the body of a node in its cluster; 0: another
     logical :: has_loads
     character(:), allocatable :: sentence
     integer :: i, k
@@ -78,23 +81,25 @@ contains
     do i = 1, size(model%steps)
       if (model%steps(i)%is_dynamic) cycle         ! inertia holds all bodies
       call find_bodies(model, i, bodies)
-      call find_free_bodies(model, bodies, i, free)
+      call find_free_clusters(model, bodies, i, free)
       do k = 1, size(free)
-        if (has_contact(model, bodies, free(k)%body)) cycle
-        if (.not. are_loads_balanced(model, bodies, free(k), i, has_loads)) cycle
-        if (i == 1 .or. any(bodies%of_node(supports%node) == free(k)%body)) has_loads = has_loads .or. &
-          is_moved(model, bodies, free(k)%body, i)
-        call hold_spin(model, bodies, free(k), i, added)
+        place = places_in_cluster(bodies, free(k))
+        if (has_contact(model, place)) cycle
+        if (.not. are_loads_balanced(model, bodies, free(k), place, i, has_loads)) cycle
+        if (i == 1 .or. any(place(supports%node) > 0)) has_loads = has_loads .or. is_moved(model, place, i)
+        call hold_spin(model, place, free(k), i, added)
         if (size(added) == 0) then
           if (.not. has_loads) cycle
-          is_usable = find_usable_nodes(model, bodies, free(k)%body, i)
-          call choose_supports(model, bodies, free(k), is_usable, i, added)
+          is_usable = find_usable_nodes(model, place, i)
+          call choose_supports(model, bodies, free(k), place, is_usable, i, added)
         end if
-        if (size(added) < free(k)%n) cycle
+        associate (n => size(free(k)%motions, 2))
+          if (size(added) < n) cycle
+          sentence = 'The loads on the ' // body_name(model, bodies%list(free(k)%bodies(1))) // ' balance each other; ' // &
+            node_list(model, added) // ' hold' // trim(merge('s', ' ', all(added%node == added(1)%node))) // ' its ' // &
+            plural(n, 'free rigid motion') // ' without a force.'
+        end associate
         supports = [supports, added]
-        sentence = 'The loads on the ' // body_name(model, bodies%list(free(k)%body)) // ' balance each other; ' // &
-          node_list(model, added) // ' hold' // trim(merge('s', ' ', all(added%node == added(1)%node))) // ' its ' // &
-          plural(free(k)%n, 'free rigid motion') // ' without a force.'
         if (index(text, sentence) > 0) cycle
         if (text /= '') text = text // ' '
         text = text // sentence
@@ -122,37 +127,61 @@ contains
   end function node_list
 
 
-  !> Whether a body has a node on a contact surface.
-  logical function has_contact(model, bodies, body)
-    type(model_type), intent(in) :: model
+  !> The place in a cluster of the body of each node.
+  pure function places_in_cluster(bodies, cluster) result(place)
     type(bodies_type), intent(in) :: bodies
-    integer, intent(in) :: body
+    type(cluster_type), intent(in) :: cluster
+    integer :: place(size(bodies%of_node))         !< 0: no body, or one outside the cluster
+    integer :: of_body(0:bodies%n), i
+    of_body = 0
+    of_body(cluster%bodies) = [(i, i=1, size(cluster%bodies))]
+    place = of_body(bodies%of_node)
+  end function places_in_cluster
+
+
+  !> Whether bodies have a node on a contact surface.
+  logical function has_contact(model, place)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: place(:)                !< (n_nodes) 0: outside the cluster
     integer :: p
     has_contact = .false.
     do p = 1, size(model%pairs)
-      has_contact = has_contact .or. any(bodies%of_node(model%surfaces(model%pairs(p)%slave)%nodes) == body) .or. &
-        any(bodies%of_node(model%surfaces(model%pairs(p)%master)%nodes) == body)
+      has_contact = has_contact .or. any(place(model%surfaces(model%pairs(p)%slave)%nodes) > 0) .or. &
+        any(place(model%surfaces(model%pairs(p)%master)%nodes) > 0)
     end do
   end function has_contact
 
 
-  !> Whether the loads on a body do no work on its free motions, at several times of the step.
-  logical function are_loads_balanced(model, bodies, free, step, has_loads) result(are_balanced)
+  !> The displacement of a node in each free motion of its cluster [length], as columns.
+  pure function node_motions(model, bodies, cluster, node, place) result(motions)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
-    type(free_body_type), intent(in) :: free
+    type(cluster_type), intent(in) :: cluster
+    integer, intent(in) :: node
+    integer, intent(in) :: place                   !< of its body in the cluster
+    real(DP) :: motions(3, size(cluster%motions, 2))
+    integer :: i
+    motions = matmul(rigid_motion(bodies%list(cluster%bodies(place)), model%mesh%coordinates(:, node)), &
+      cluster%motions([(i, i=6 * place - 5, 6 * place)], :))
+  end function node_motions
+
+
+  !> Whether the loads on bodies do no work on their free motions, at several times of the step.
+  logical function are_loads_balanced(model, bodies, free, place, step, has_loads) result(are_balanced)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(cluster_type), intent(in) :: free
+    integer, intent(in) :: place(:)                !< (n_nodes) of the body of a node in the cluster; 0: another
     integer, intent(in) :: step
-    logical, intent(out) :: has_loads            !< there are loads on it
+    logical, intent(out) :: has_loads              !< there are loads on them
     type(assembly_type) :: assembly
     type(state_type) :: state
     type(slave_state_type) :: no_slaves(0)
-    real(DP) :: work(free%n), sizes(free%n), motion(3), before
-    integer :: body(model%mesh%n_nodes), i, k, t
-    logical :: is_rotation(model%mesh%n_nodes)
+    real(DP), dimension(size(free%motions, 2)) :: work, sizes
+    real(DP) :: motions(3, size(free%motions, 2)), before
+    integer :: i, t
     call create_state(state, model%mesh, no_slaves)
-    has_loads = any([(bodies%of_node(model%steps(step)%temperatures(i)%node) == free%body, &
-      i=1, size(model%steps(step)%temperatures))])
-    call find_bodies_of_loads(model, bodies, body, is_rotation)
+    has_loads = any(place(model%steps(step)%temperatures%node) > 0)
     are_balanced = .true.
     before = sum(model%steps(:step - 1)%period)
     do t = 1, N_TIMES
@@ -163,13 +192,10 @@ contains
       work = 0.0_DP
       sizes = 0.0_DP
       do i = 1, model%mesh%n_nodes
-        if (body(i) /= free%body) cycle
-        do k = 1, free%n
-          motion = matmul(rigid_motion(bodies%list(free%body), model%mesh%coordinates(:, i)), free%motions(:, k))
-          if (is_rotation(i)) motion = free%motions(4:, k) / bodies%list(free%body)%size
-          work(k) = work(k) + dot_product(motion, state%new%applied_force(:, i))
-          sizes(k) = sizes(k) + norm2(motion) * norm2(state%new%applied_force(:, i))
-        end do
+        if (place(i) == 0) cycle
+        motions = node_motions(model, bodies, free, i, place(i))
+        work = work + matmul(state%new%applied_force(:, i), motions)
+        sizes = sizes + norm2(motions, dim=1) * norm2(state%new%applied_force(:, i))
         has_loads = has_loads .or. norm2(state%new%applied_force(:, i)) > 0.0_DP
       end do
       are_balanced = are_balanced .and. all(abs(work) <= TOL_BALANCED * sizes)
@@ -177,17 +203,16 @@ contains
   end function are_loads_balanced
 
 
-  !> Whether a boundary condition moves a node of a body, now or before.
-  pure logical function is_moved(model, bodies, body, step)
+  !> Whether a boundary condition moves a node of bodies, now or before.
+  pure logical function is_moved(model, place, step)
     type(model_type), intent(in) :: model
-    type(bodies_type), intent(in) :: bodies
-    integer, intent(in) :: body
+    integer, intent(in) :: place(:)                !< (n_nodes) 0: outside the cluster
     integer, intent(in) :: step
     integer :: i
     is_moved = .false.
     do i = 1, size(model%steps(step)%prescribed)
       associate (load => model%steps(step)%prescribed(i))
-        if (bodies%of_node(load%node) /= body) cycle
+        if (place(load%node) == 0) cycle
         is_moved = is_moved .or. load%is_user .or. load%is_velocity .or. load%is_held .or. abs(load%start) > 0.0_DP .or. &
           abs(load%end) > 0.0_DP
       end associate
@@ -195,48 +220,26 @@ contains
   end function is_moved
 
 
-  !> The body on which a load at each node acts: nodes of shells and beams, and their rotation nodes, belong to that of their fibre.
-  subroutine find_bodies_of_loads(model, bodies, body, is_rotation)
-    type(model_type), intent(in) :: model
-    type(bodies_type), intent(in) :: bodies
-    integer, intent(out) :: body(:)              !< (n_nodes) 0: none
-    logical, intent(out) :: is_rotation(:)       !< (n_nodes) a rotation node of theirs: its loads are moments
-    integer :: i
-    body = bodies%of_node
-    is_rotation = .false.
-    if (.not. allocated(model%structure)) return
-    do i = 1, size(model%structure%directors)
-      associate (director => model%structure%directors(i))
-        body(director%node) = bodies%of_node(director%nodes(1))
-        if (.not. allocated(model%rotation_of)) cycle
-        if (model%rotation_of(director%node) == 0) cycle
-        body(model%rotation_of(director%node)) = body(director%node)
-        is_rotation(model%rotation_of(director%node)) = .true.
-      end associate
-    end do
-  end subroutine find_bodies_of_loads
-
-
   !> Holds the only free motion of beams, if it is a rotation about their axis, by the mean rotation of a cross-section: that of the
   !! first node without supports, else of the first one. None: another motion, no beam.
-  subroutine hold_spin(model, bodies, free, step, supports)
+  subroutine hold_spin(model, place, free, step, supports)
     type(model_type), intent(in) :: model
-    type(bodies_type), intent(in) :: bodies
-    type(free_body_type), intent(in) :: free
+    integer, intent(in) :: place(:)                !< (n_nodes) of the body of a node in the cluster; 0: another
+    type(cluster_type), intent(in) :: free
     integer, intent(in) :: step
     type(balancing_support_type), allocatable, intent(out) :: supports(:)
     real(DP) :: axis(3)
     integer :: i, chosen
     logical :: is_held
     allocate (supports(0))
-    if (free%n /= 1 .or. .not. allocated(model%structure)) return
-    axis = free%motions(4:, 1)
+    if (size(free%motions, 2) /= 1 .or. .not. allocated(model%structure)) return
+    axis = free%motions(4:6, 1)
     if (.not. norm2(axis) > 0) return
     axis = axis / norm2(axis)
     associate (directors => model%structure%directors)
       chosen = 0
       do i = size(directors), 1, -1
-        if (directors(i)%n_outer /= 4 .or. bodies%of_node(directors(i)%nodes(1)) /= free%body) cycle
+        if (directors(i)%n_outer /= 4 .or. place(directors(i)%nodes(1)) /= 1) cycle
         is_held = any(model%steps(step)%prescribed%node == directors(i)%node)
         if (chosen == 0 .or. .not. is_held) chosen = i
       end do
@@ -292,29 +295,35 @@ contains
   end function support_equation
 
 
-  !> The nodes of a body that may be held: with elements, in global directions, in no support, equation or multi-point constraint.
-  !! Equations connect all nodes of shells: of a body without other nodes those are held whose fibre is in no support.
-  function find_usable_nodes(model, bodies, body, step) result(is_usable)
+  !> The nodes of bodies that may be held: with elements, in global directions, in no support, equation or multi-point constraint.
+  !! Equations connect all nodes of shells: of bodies without other nodes those are held whose fibre is in no support and in no
+  !! rigid body, which moves all its nodes.
+  function find_usable_nodes(model, place, step) result(is_usable)
     type(model_type), intent(in) :: model
-    type(bodies_type), intent(in) :: bodies
-    integer, intent(in) :: body, step
+    integer, intent(in) :: place(:)                !< (n_nodes) 0: outside the cluster
+    integer, intent(in) :: step
     logical :: is_usable(model%mesh%n_nodes)
+    logical, allocatable :: is_rigid(:)            ! (n_nodes)
     integer :: i
-    is_usable = bodies%of_node == body .and. model%mesh%has_elements .and. .not. model%mesh%is_auxiliary
+    is_usable = place > 0 .and. model%mesh%has_elements .and. .not. model%mesh%is_auxiliary
     if (allocated(model%frame_of)) is_usable = is_usable .and. model%frame_of == 0
     is_usable(model%steps(step)%prescribed%node) = .false.
     do i = 1, size(model%equations)
       is_usable(model%equations(i)%node) = .false.
     end do
+    allocate (is_rigid(model%mesh%n_nodes), source=.false.)
     if (allocated(model%nonlinear_mpcs)) then
       do i = 1, size(model%nonlinear_mpcs)
         is_usable(model%nonlinear_mpcs(i)%node) = .false.
+        if (model%nonlinear_mpcs(i)%kind == MPC_RIGID_BODY) is_rigid(model%nonlinear_mpcs(i)%node) = .true.
       end do
     end if
     if (any(is_usable) .or. .not. allocated(model%structure)) return
     do i = 1, size(model%structure%directors)
-      is_usable(model%structure%directors(i)%node) = single_fibre(model, model%structure%directors(i)%node) == i .and. &
-        bodies%of_node(model%structure%directors(i)%nodes(1)) == body
+      associate (director => model%structure%directors(i))
+        is_usable(director%node) = single_fibre(model, director%node) == i .and. place(director%nodes(1)) > 0 .and. &
+          place(director%node) > 0 .and. .not. any(is_rigid([director%node, director%nodes]))
+      end associate
     end do
     if (allocated(model%frame_of)) is_usable = is_usable .and. model%frame_of == 0
     is_usable(model%steps(step)%prescribed%node) = .false.
@@ -338,26 +347,29 @@ contains
 
   !> Chooses degrees of freedom that hold the motions: the one that moves most, then the one that moves most in the motions that
   !! the first leaves, and so on. Of equal ones the first.
-  subroutine choose_supports(model, bodies, free, is_usable, step, supports)
+  subroutine choose_supports(model, bodies, free, place, is_usable, step, supports)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
-    type(free_body_type), intent(in) :: free
+    type(cluster_type), intent(in) :: free
+    integer, intent(in) :: place(:)                !< (n_nodes) of the body of a node in the cluster
     logical, intent(in) :: is_usable(:)            !< (n_nodes)
     integer, intent(in) :: step
     type(balancing_support_type), allocatable, intent(out) :: supports(:)
     real(DP), parameter :: MIN_PART = 1.0e-3_DP    !< a smaller motion of a degree of freedom does not hold [-]
     real(DP), parameter :: MIN_GAIN = 1.001_DP     !< a later node is taken only if it moves more by this factor [-]
-    real(DP) :: motions(6, free%n), rows(3, free%n), largest, direction(free%n)
+    type(cluster_type) :: left                     ! with the motions that the supports leave
+    real(DP), dimension(3, size(free%motions, 2)) :: rows
+    real(DP) :: direction(size(free%motions, 2)), largest
     integer :: i, k, m, node, dof, fibre
     allocate (supports(0))
-    motions = free%motions(:, :free%n)
-    do m = 1, free%n
+    left = free
+    do m = 1, size(free%motions, 2)
       largest = 0.0_DP
       node = 0
       dof = 0
       do i = 1, model%mesh%n_nodes
         if (.not. is_usable(i)) cycle
-        rows = matmul(rigid_motion(bodies%list(free%body), model%mesh%coordinates(:, i)), motions)
+        rows = node_motions(model, bodies, left, i, place(i))
         fibre = single_fibre(model, i)
         do k = 1, 3
           if (norm2(rows(k, :)) <= MIN_GAIN * largest .or. (fibre == 0 .and. model%mesh%is_unstiffened(k, i))) cycle
@@ -369,7 +381,8 @@ contains
       end do
       if (largest <= MIN_PART) return
       supports = [supports, balancing_support_type(step, node, dof, single_fibre(model, node))]
-      motions = motions - matmul(reshape(matmul(motions, direction), [6, 1]), reshape(direction, [1, free%n]))
+      left%motions = left%motions - &
+        matmul(reshape(matmul(left%motions, direction), [size(left%motions, 1), 1]), reshape(direction, [1, size(direction)]))
     end do
   end subroutine choose_supports
 

@@ -31,7 +31,7 @@ module amontons_model_check_motion
   use amontons_rigid_modes, only: simplify_motions, motions_text, is_translation, MIN_MOTION_PART
   implicit none
   private
-  public :: check_rigid_motions, find_free_motion, free_body_type, find_free_bodies, rigid_motion
+  public :: check_rigid_motions, find_free_motion, cluster_type, find_free_clusters, rigid_motion
 
   ! An eigenvalue or pivot of a Gram matrix that is a smaller part of the largest than this counts as 0 [-]. With
   ! contacts it is the square of a slope: the normals carry the rounding of the coordinates in the deck.
@@ -57,76 +57,52 @@ module amontons_model_check_motion
     type(integer_list_type) :: steps
   end type finding_type
 
-  !> A body that moves alone, and its free motions.
-  type :: free_body_type
-    integer :: body = 0                            !< index into bodies%list
-    integer :: n = 0                               !< number of the motions
-    real(DP) :: motions(6, 6) = 0                  !< the first n: t, r, as in `rigid_motion`
-  end type free_body_type
+  !> Bodies that rows couple, and their free motions.
+  type :: cluster_type
+    integer, allocatable :: bodies(:)              !< indices into bodies%list, ascending: those with elements come first
+    real(DP), allocatable :: motions(:, :)         !< (6 bodies, n) t, r of each body, as in `rigid_motion`; not allocated: none
+  end type cluster_type
 
 contains
 
-  !> The bodies that can move alone in a step, without regard to contact. Bodies that equations couple do not count, except a body
-  !! of shells or beams with the nodes of its own fibres, which move with it.
-  subroutine find_free_bodies(model, bodies, step, free)
+  !> The clusters of bodies that can move in a step, without regard to contact: a body alone, one of shells or beams with the
+  !! nodes of its fibres, and what equations couple to them, like the reference node of a rigid body. Those that damping or an
+  !! earlier step may hold do not count.
+  subroutine find_free_clusters(model, bodies, step, free)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     integer, intent(in) :: step                    !< its number
-    type(free_body_type), allocatable, intent(out) :: free(:)
+    type(cluster_type), allocatable, intent(out) :: free(:)   !< the first body of each moves and has elements
     type(bases_type) :: bases
     type(rows_type) :: rows
-    type(finding_type), allocatable :: findings(:)
-    type(free_body_type) :: found
-    integer :: i
-    integer, allocatable :: body_of_fibre(:)
+    type(cluster_type), allocatable :: clusters(:)
+    integer, allocatable :: order(:)
+    logical, allocatable :: is_free(:)
+    integer :: i, k, first
     allocate (free(0))
     call find_bases(model, bodies, model%steps(step), bases)
-    if (all(bases%n == 0)) return
-    allocate (findings(0))
+    if (all(bases%n == 0) .or. is_held_by_damping(model, step)) return
     call allocate_rows(bodies%n, rows)
     call add_equations(model, bodies, bases, rows)
-    call check_clusters(model, bodies, bases, rows, step, .false., findings)
-    call find_bodies_of_fibres(model, bodies, body_of_fibre)
-    do i = 1, size(findings)
-      if (findings(i)%code /= FINDING_FREE) cycle
-      found%body = findings(i)%bodies(1)
-      if (bodies%list(found%body)%n_elements == 0) cycle
-      if (any(body_of_fibre(findings(i)%bodies(2:)) /= found%body)) cycle
-      found%n = size(findings(i)%motions, 2)
-      found%motions(:, :found%n) = findings(i)%motions
-      free = [free, found]
-    end do
-  end subroutine find_free_bodies
-
-
-  !> The body of the elements in which the fibre of a node lies, for each body that is such a node of a shell or beam alone.
-  subroutine find_bodies_of_fibres(model, bodies, of_fibre)
-    type(model_type), intent(in) :: model
-    type(bodies_type), intent(in) :: bodies
-    integer, allocatable, intent(out) :: of_fibre(:)   !< (bodies) 0: none
-    integer :: i
-    allocate (of_fibre(bodies%n), source=0)
-    if (.not. allocated(model%structure)) return
-    do i = 1, size(model%structure%directors)
-      associate (director => model%structure%directors(i))
-        call assign(director%node)
-        if (allocated(model%rotation_of)) call assign(model%rotation_of(director%node))
+    call find_clusters(bodies, bases, rows, .false., clusters)
+    allocate (is_free(size(clusters)), source=.false.)
+    do i = 1, size(clusters)
+      associate (members => clusters(i)%bodies, motions => clusters(i)%motions)
+        first = 0
+        do k = size(members), 1, -1
+          if (bodies%list(members(k))%n_elements > 0 .and. maxval(abs(motions(6 * k - 5:6 * k, :))) > &
+            MIN_MOTION_PART * maxval(abs(motions))) first = k
+        end do
+        if (first == 0) cycle
+        is_free(i) = .not. may_be_held_later(model, step, motions(6 * first - 5:6 * first, :))
+        if (.not. is_free(i) .or. first == 1) cycle
+        order = [first, (k, k=1, first - 1), (k, k=first + 1, size(members))]
+        motions = motions([(6 * order(k) + [-5, -4, -3, -2, -1, 0], k=1, size(order))], :)
+        members = members(order)
       end associate
     end do
-
-  contains
-
-    !> Assigns a node of the deck, or the one of its rotation, to the body of its fibre.
-    subroutine assign(node)
-      integer, intent(in) :: node                !< 0: none
-      integer :: b
-      if (node == 0) return
-      b = bodies%of_node(node)
-      if (b == 0) return
-      if (bodies%list(b)%n_elements == 0) of_fibre(b) = bodies%of_node(model%structure%directors(i)%nodes(1))
-    end subroutine assign
-
-  end subroutine find_bodies_of_fibres
+    free = pack(clusters, is_free)
+  end subroutine find_free_clusters
 
 
   !> Reports unrestrained rigid motions of each step (errors), and those that only open contact restrains at the start (warnings).
@@ -539,7 +515,7 @@ contains
   end subroutine add_contact
 
 
-  !> Finds the free motions of each cluster of bodies coupled by rows.
+  !> Reports the free motions of each cluster of bodies coupled by rows.
   subroutine check_clusters(model, bodies, bases, rows, step, is_start, findings)
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
@@ -548,10 +524,27 @@ contains
     integer, intent(in) :: step
     logical, intent(in) :: is_start                !< .true.: without the contacts that are open at the start
     type(finding_type), allocatable, intent(inout) :: findings(:)
+    type(cluster_type), allocatable :: clusters(:)
+    integer :: i
+    call find_clusters(bodies, bases, rows, is_start, clusters)
+    do i = 1, size(clusters)
+      call report_motions(model, bodies, clusters(i)%bodies, clusters(i)%motions, step, is_start, findings)
+    end do
+  end subroutine check_clusters
+
+
+  !> Finds the clusters of bodies coupled by rows that have free motions.
+  subroutine find_clusters(bodies, bases, rows, is_start, clusters)
+    type(bodies_type), intent(in) :: bodies
+    type(bases_type), intent(in) :: bases
+    type(rows_type), intent(in) :: rows
+    logical, intent(in) :: is_start                !< .true.: without the contacts that are open at the start
+    type(cluster_type), allocatable, intent(out) :: clusters(:)
+    type(cluster_type), allocatable :: found(:)
     type(motion_matrix_type) :: matrix
     integer, allocatable :: parent(:)
     type(integer_list_type), allocatable :: members(:), rows_of(:)   ! of a cluster, at its root
-    integer :: b, r, i, root
+    integer :: b, r, i, root, n
     call build_matrix(bases, rows, is_start, matrix)
     allocate (members(bodies%n), rows_of(bodies%n))
     parent = [(b, b=1, bodies%n)]
@@ -571,60 +564,62 @@ contains
       root = find_root(parent, rows%body(rows%first(r)))
       call rows_of(root)%add(r)
     end do
+    allocate (found(count(members%n > 0)))
+    n = 0
     do b = 1, bodies%n
       if (members(b)%n == 0) cycle
-      call check_cluster(model, bodies, bases, matrix, members(b)%trimmed(), rows_of(b), step, is_start, findings)
+      found(n + 1)%bodies = members(b)%trimmed()
+      call find_cluster_motions(bases, matrix, rows_of(b), found(n + 1))
+      if (allocated(found(n + 1)%motions)) n = n + 1
     end do
-  end subroutine check_clusters
+    clusters = found(:n)
+  end subroutine find_clusters
 
 
-  !> One cluster: reports the null space of its Gram matrix as motions.
-  subroutine check_cluster(model, bodies, bases, matrix, members, rows_of, step, is_start, findings)
-    type(model_type), intent(in) :: model
-    type(bodies_type), intent(in) :: bodies
+  !> The null space of the Gram matrix of one cluster as motions, if any.
+  subroutine find_cluster_motions(bases, matrix, rows_of, cluster)
     type(bases_type), intent(in) :: bases
     type(motion_matrix_type), intent(inout) :: matrix
-    integer, intent(in) :: members(:)              !< bodies
     type(integer_list_type), intent(in) :: rows_of !< that are not solved
-    integer, intent(in) :: step
-    logical, intent(in) :: is_start
-    type(finding_type), allocatable, intent(inout) :: findings(:)
-    real(DP), allocatable :: vectors(:, :), motions(:, :), x(:)
-    integer :: n_left(size(members))               ! motions that are not solved
+    type(cluster_type), intent(inout) :: cluster   !< with its bodies
+    real(DP), allocatable :: vectors(:, :), x(:)
+    integer, allocatable :: n_left(:)              ! (bodies) motions that are not solved
     integer :: i, k, m, n, c
-    m = 0
-    do i = 1, size(members)
-      n_left(i) = -m
-      do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
-        if (matrix%place(c) == 0) cycle
-        m = m + 1
-        matrix%place(c) = m
-      end do
-      n_left(i) = n_left(i) + m
-    end do
-    if (m == 0) return
-    call find_scaled_null_space(matrix, rows_of, n_left, CONTACT_TOLERANCE, n, vectors)
-    if (n == 0) return
-    allocate (motions(6 * size(members), n), x(size(matrix%place)))
-    do k = 1, n
-      x = 0.0_DP
+    associate (members => cluster%bodies)
+      allocate (n_left(size(members)))
+      m = 0
       do i = 1, size(members)
+        n_left(i) = -m
         do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
-          if (matrix%place(c) > 0) x(c) = vectors(matrix%place(c), k)
+          if (matrix%place(c) == 0) cycle
+          m = m + 1
+          matrix%place(c) = m
+        end do
+        n_left(i) = n_left(i) + m
+      end do
+      if (m == 0) return
+      call find_scaled_null_space(matrix, rows_of, n_left, CONTACT_TOLERANCE, n, vectors)
+      if (n == 0) return
+      allocate (cluster%motions(6 * size(members), n), x(size(matrix%place)))
+      do k = 1, n
+        x = 0.0_DP
+        do i = 1, size(members)
+          do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
+            if (matrix%place(c) > 0) x(c) = vectors(matrix%place(c), k)
+          end do
+        end do
+        call solve_column_singletons(matrix%first, matrix%column, matrix%value, matrix%solved_columns, matrix%solved_rows, x)
+        cluster%motions(:, k) = 0.0_DP
+        do i = 1, size(members)
+          do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
+            cluster%motions(6 * i - 5:6 * i, k) = cluster%motions(6 * i - 5:6 * i, k) + &
+              x(c) * bases%motion(:, c - matrix%first_motion(members(i)) + 1, members(i))
+          end do
         end do
       end do
-      call solve_column_singletons(matrix%first, matrix%column, matrix%value, matrix%solved_columns, matrix%solved_rows, x)
-      motions(:, k) = 0.0_DP
-      do i = 1, size(members)
-        do c = matrix%first_motion(members(i)), matrix%first_motion(members(i) + 1) - 1
-          motions(6 * i - 5:6 * i, k) = motions(6 * i - 5:6 * i, k) + &
-            x(c) * bases%motion(:, c - matrix%first_motion(members(i)) + 1, members(i))
-        end do
-      end do
-    end do
-    call simplify_motions(motions)
-    call report_motions(model, bodies, members, motions, step, is_start, findings)
-  end subroutine check_cluster
+    end associate
+    call simplify_motions(cluster%motions)
+  end subroutine find_cluster_motions
 
 
   !> G = G + a b'.

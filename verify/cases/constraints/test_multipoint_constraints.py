@@ -181,9 +181,9 @@ def test_support_words_at_a_reference_node(run_deck: Run, tmp_path: Path, word: 
 
 @pytest.mark.parametrize("word", [word for word in WORDS if word != "ENCASTRE"])
 def test_what_a_support_word_leaves_free(run_deck: Run, word: str) -> None:
-    """Without those degrees of freedom the cube can move, which the check of the model says."""
+    """Without those degrees of freedom the cube can move, which the check of the model says: the force works on all motions."""
     cards = "*NODE, NSET=ALL\n90, .5, .5, -2.\n*RIGID BODY, NSET=BOTTOM, REF NODE=90\n"
-    done = run_deck(job(cards, f"*BOUNDARY\n90, {word}\n*CLOAD\n7, 1, 3.\n"))
+    done = run_deck(job(cards, f"*BOUNDARY\n90, {word}\n*CLOAD\n7, 1, 3.\n7, 2, 4.\n7, 3, 2.\n"))
     assert done.returncode == 4
     motions = " ".join(re.findall(r" can (.*?): no support", done.stdout))
     assert sum(motions.count(verb) for verb in ("move along", "turn about")) == 6 - len(WORDS[word])

@@ -139,3 +139,87 @@ def test_a_shell_on_a_hinge(run: Run, tmp_path: Path) -> None:
     stretch = force / (YOUNG * width * thickness)
     assert np.abs(u[:, 0] - stretch * x[:, 0]).max() < 1e-9 * stretch * length
     assert np.abs(u[:, 1:]).max() < 1e-9 * stretch * length
+
+
+def hinged_strip(holder: str, loads: str, nlgeom: str = "") -> str:
+    """A strip of S4R, 10 x 2 x 0.1 and nu = 0, hinged at x = 0; node 900 holds the edge x = 10."""
+    rows = "".join(f"{1 + i + 11 * j}, {i}., {j}., 0.\n" for j in range(3) for i in range(11)) + "900, 10., 1., 0.\n"
+    cells = "".join(f"{1 + i + 10 * j}, {1 + i + 11 * j}, {2 + i + 11 * j}, {13 + i + 11 * j}, {12 + i + 11 * j}\n" for j in range(2) for i in range(10))
+    return (
+        f"*NODE\n{rows}*NSET, NSET=FAR\n11, 22, 33\n*ELEMENT, TYPE=S4R, ELSET=STRIP\n{cells}*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, 0.\n"
+        f"*SHELL SECTION, ELSET=STRIP, MATERIAL=M\n0.1\n{holder}*BOUNDARY\n1, 1, 3\n12, 1, 3\n23, 1, 3\n*STEP{nlgeom}\n*STATIC\n{loads}*END STEP\n"
+    )
+
+
+HOLDERS = {
+    "RIGID BODY": "*RIGID BODY, NSET=FAR, REF NODE=900\n",
+    "COUPLING": "*SURFACE, NAME=EDGE, TYPE=NODE\nFAR\n*COUPLING, CONSTRAINT NAME=C, REF NODE=900, SURFACE=EDGE\n*KINEMATIC\n1, 6\n",
+}
+
+
+@pytest.mark.parametrize("holder", HOLDERS)
+def test_a_hinged_strip_held_by_a_reference_node(proof: Proof, holder: str) -> None:
+    """The reference node takes part in the free turn of the strip, and so does its rotation."""
+    case = proof(
+        f"hinged-strip-{holder.lower().replace(' ', '-')}",
+        title=f"A strip on a hinge whose far edge *{holder} holds",
+        model=f"A strip 10 x 2 x 0.1 of 10 x 2 S4R, E = 200 000, nu = 0, hinged along x = 0; the reference node of *{holder} on the edge "
+        "x = 10 takes a pull of 12 along x; in a second job a force of 1 along z with a moment of 10 about y.",
+        formula="Pull: u = F x / (E A). Force and moment: no work on the turn about the hinge, M(x) = x, so that the deflection is "
+        "-(x^3 - 81 x) / (6 E I) from the chord to x = 9, where the support without force holds it.",
+        source="Euler-Bernoulli beam; the bending moment of a hinged end",
+        proves="What equations couple to a body takes part in its free motions: reference nodes by their displacements, and moments by rotations.",
+    )
+    stretch = 12.0 / (YOUNG * 0.2)
+    job = case.run(hinged_strip(HOLDERS[holder], "*CLOAD\n900, 1, 12.\n"))
+    x = job.points[:33]
+    error = np.abs(job.last("U")[:33, 0] - stretch * x[:, 0]).max()
+    case.within("error of u_x under the pull", error, (0.0, 1e-9 * stretch), why="in the space of the elements", place="nodes of the strip", time="the end")
+    job = case.run(hinged_strip(HOLDERS[holder], "*CLOAD\n900, 3, 1.\n900, 5, 10.\n"))
+    w = -(x[:, 0] ** 3 - 81 * x[:, 0]) / (6 * YOUNG * 2.0 * 0.1**3 / 12)
+    error = np.abs(job.last("U")[:33, 2] - w).max()
+    case.within("error of the deflection", error, (0.0, 2e-3 * np.abs(w).max()), why="S4R of length 1, at the nodes", place="nodes of the strip", time="the end")
+    case.done()
+
+
+@pytest.mark.parametrize("holder", HOLDERS)
+@pytest.mark.parametrize("nlgeom", ["", ", NLGEOM"])
+@pytest.mark.parametrize("load", ["900, 3, 1.", "900, 5, 10.", "900, 3, 1.\n900, 5, 9.9"])
+def test_loads_of_a_reference_node_that_turn_the_strip(run: Run, tmp_path: Path, holder: str, nlgeom: str, load: str) -> None:
+    """A force or a moment alone works on the free turn about the hinge, and so do both out of balance: refused."""
+    (tmp_path / "turned.inp").write_text(hinged_strip(HOLDERS[holder], f"*CLOAD\n{load}\n", nlgeom))
+    done = run(["--outdir", tmp_path, tmp_path / "turned.inp"], tmp_path)
+    assert done.returncode == 4 and "can turn about y through the point (0, 1, 0)" in done.stdout, done.stdout
+
+
+def test_a_folded_strip_on_a_hinge(run: Run, tmp_path: Path) -> None:
+    """A strip hinged at x = 0 with an upright end of half its length, pulled at its end towards the hinge.
+
+    The line of the force passes through the hinge, M = V x and H s on the legs, and by Castigliano the end moves along the force by
+    (V^2 10^3 + H^2 5^3) / (3 E I F) + (H^2 10 + V^2 5) / (E A F). The fold has two fibres at each node: knots.
+    """
+    x = [(float(i), 0.0) for i in range(11)] + [(10.0, 0.5 * i) for i in range(1, 11)]
+    n = len(x)
+    rows = "".join(f"{1 + i + n * j}, {a}, {j}., {b}\n" for j in range(3) for i, (a, b) in enumerate(x))
+    cells = "".join(f"{1 + i + 20 * j}, {1 + i + n * j}, {2 + i + n * j}, {2 + n + i + n * j}, {1 + n + i + n * j}\n" for j in range(2) for i in range(20))
+    force = 0.1
+    along, up = -force * 10 / np.sqrt(125.0), -force * 5 / np.sqrt(125.0)
+    loads = "".join(f"{n * (j + 1)}, {k}, {share * f:.16g}\n" for j, share in enumerate((0.25, 0.5, 0.25)) for k, f in ((1, along), (3, up)))
+    deck = (
+        f"*NODE\n{rows}*ELEMENT, TYPE=S4R, ELSET=STRIP\n{cells}*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, 0.\n"
+        f"*SHELL SECTION, ELSET=STRIP, MATERIAL=M\n0.1\n*BOUNDARY\n"
+        + "".join(f"{1 + n * j}, 1, 3\n" for j in range(3))
+        + f"*STEP\n*STATIC\n*CLOAD\n{loads}"
+    )
+    (tmp_path / "fold.inp").write_text(deck + "*END STEP\n")
+    done = run(["--outdir", tmp_path, tmp_path / "fold.inp"], tmp_path)
+    assert done.returncode == 0 and "balance each other" in done.stdout, done.stdout
+    with h5py.File(tmp_path / "fold.vtkhdf") as data:
+        u = data["VTKHDF/PointData/U"][-int(data["VTKHDF/NumberOfPoints"][-1]) :][n - 1 : 3 * n : n].mean(axis=0)
+    moved = (u[0] * along + u[2] * up) / force
+    bending, area = YOUNG * 2.0 * 0.1**3 / 12, YOUNG * 0.2
+    exact = (up**2 * 1000 + along**2 * 125) / (3 * bending * force) + (along**2 * 10 + up**2 * 5) / (area * force)
+    assert abs(moved - exact) < 0.02 * exact, (moved, exact)     # the fold is 1 % of the longer leg thick
+    (tmp_path / "turned.inp").write_text(deck + f"{n}, 3, 0.001\n*END STEP\n")
+    done = run(["--outdir", tmp_path, tmp_path / "turned.inp"], tmp_path)
+    assert done.returncode == 4 and "can turn about y" in done.stdout, done.stdout
