@@ -1,11 +1,11 @@
 !> External loads: concentrated, pressure, traction, body, gravity and centrifugal forces, and their load stiffness.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Pressures follow their faces under NLGEOM, forces with FOLLOWER their nodes; tractions and other forces keep their direction. The
-!! symmetric part of a load's stiffness is added to K, the skew-symmetric part to assembly%skew.
+!! Pressures follow their faces under NLGEOM, forces with FOLLOWER their nodes; tractions, other forces and moments keep their
+!! direction. The symmetric part of a load's stiffness is added to K, the skew-symmetric part to assembly%skew.
 module amontons_external_loads
   use amontons_kinds, only: DP
-  use amontons_tensor, only: IDENTITY, rotation_matrix
+  use amontons_tensor, only: IDENTITY, rotation_matrix, moment_on_vector
   use amontons_tributary_areas, only: out_of_plane_depth, integrate_nodal_areas
   use amontons_assembly_plan, only: assembly_type, add_node_block, add_row_block, is_own_element
   use amontons_assembly, only: element_material
@@ -15,7 +15,7 @@ module amontons_external_loads
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_materials, only: evaluate_table
   use amontons_mesh, only: element_nodes, wall_ratios
-  use amontons_model, only: model_type, dof_direction, is_out, load_now, DIALECT_CALCULIX
+  use amontons_model, only: model_type, dof_direction, is_out, load_now, find_finite_rotations, DIALECT_CALCULIX
   use amontons_shape_functions, only: choose_face_rule, shape_functions, quadrature
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
   use amontons_state, only: fields_type, load_time
@@ -41,18 +41,22 @@ contains
     type(fields_type), intent(inout) :: fields     !< in: u, times; out: applied_force
     logical, intent(in) :: is_nlgeom
     logical, intent(in) :: has_stiffness       !< .true.: subtract the load stiffness from K
+    logical, allocatable :: is_rotation(:)
     integer :: i
     real(DP) :: magnitude
     fields%applied_force = 0.0_DP
     if (has_stiffness) call reset_load_skew(assembly%skew)
+    allocate (is_rotation(model%mesh%n_nodes), source=.false.)
+    if (is_nlgeom .and. size(step%concentrated) > 0 .and. model%dialect /= DIALECT_CALCULIX) &
+      is_rotation = find_finite_rotations(model)
     do i = 1, size(step%concentrated)
       associate (load => step%concentrated(i))
         magnitude = load_now(model, step, load, load_time(step, fields), fields%total_time)
         if (load%is_follower .and. is_nlgeom) then
           call add_follower_force(assembly, model, load, magnitude, fields, has_stiffness)
         else
-          fields%applied_force(:, load%node) = fields%applied_force(:, load%node) &
-            + magnitude * dof_direction(model, load%node, load%dof)
+          call add_force(assembly, load%node, magnitude * dof_direction(model, load%node, load%dof), &
+            is_rotation(load%node), fields, has_stiffness)
         end if
       end associate
     end do
@@ -97,6 +101,39 @@ contains
     fields%load_factor = load_factor
     fields%applied_force = applied_force
   end subroutine assemble_reference_loads
+
+
+  !> A force, or a moment on a finite rotation, of fixed direction.
+  !!
+  !! The moment does the work M . dtheta, so its forces on the rotation vector depend on it. Their stiffness by central differences;
+  !! it is skew at w = 0. (In the calculix dialect moments are those forces, as in CalculiX.)
+  subroutine add_force(assembly, node, force, is_moment, fields, has_stiffness)
+    type(assembly_type), intent(inout) :: assembly
+    integer, intent(in) :: node
+    real(DP), intent(in) :: force(3)               !< [force], [force length]
+    logical, intent(in) :: is_moment
+    type(fields_type), intent(inout) :: fields
+    logical, intent(in) :: has_stiffness
+    real(DP), parameter :: H = 1.0e-5_DP
+    real(DP) :: stiffness(3, 3), shift(3)
+    integer :: k
+    if (.not. is_moment) then
+      fields%applied_force(:, node) = fields%applied_force(:, node) + force
+      return
+    end if
+    associate (w => fields%u(:, node))
+      fields%applied_force(:, node) = fields%applied_force(:, node) + moment_on_vector(w, force)
+      if (.not. has_stiffness .or. .not. any(abs(force) > 0.0_DP)) return
+      do k = 1, 3
+        shift = 0.0_DP
+        shift(k) = H
+        stiffness(:, k) = (moment_on_vector(w + shift, force) - moment_on_vector(w - shift, force)) / (2.0_DP * H)
+      end do
+    end associate
+    call add_node_block(assembly, node, node, -0.5_DP * (stiffness + transpose(stiffness)))
+    call add_face_skew(assembly%skew, [node], stiffness)
+    assembly%skew%has_follower_forces = .true.
+  end subroutine add_force
 
 
   !> A force that turns with its node: F = R(w) F0, w the displacement of the rotation node. Its stiffness dR/dw F0 has rows of the

@@ -8,7 +8,7 @@ module amontons_tensor
   private
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
   public :: cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
-  public :: rotation_matrix
+  public :: rotation_matrix, moment_on_vector
   public :: pack_voigt, unpack_voigt, push_forward, double_dot, von_mises, symmetric_eigen, solve_normal_equations
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
@@ -327,5 +327,19 @@ contains
         + c * (matmul(E, S_matrix) + matmul(S_matrix, E))
     end do
   end subroutine rotation_matrix
+
+
+  !> The forces on the components of a rotation vector w that do the work of a moment: f . dw = M . dtheta, where the skew matrix of
+  !! dtheta is dR R'.
+  pure function moment_on_vector(w, moment) result(f)
+    real(DP), intent(in) :: w(3)                   !< rotation vector [rad]
+    real(DP), intent(in) :: moment(3)              !< about fixed axes
+    real(DP) :: f(3)
+    real(DP) :: R(3, 3), dR(3, 3, 3), turned(3, 3)
+    integer :: k
+    call rotation_matrix(w, R, dR)
+    turned = 0.5_DP * matmul(skew_matrix(moment), R)
+    f = [(sum(turned * dR(:, :, k)), k=1, 3)]
+  end function moment_on_vector
 
 end module amontons_tensor

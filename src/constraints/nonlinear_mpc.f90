@@ -95,6 +95,7 @@ contains
     end if
     do i = 1, n_nonlinear_mpcs(model)
       if (model%nonlinear_mpcs(i)%expansion > 0) is_angle(model%nonlinear_mpcs(i)%expansion) = .true.
+      if (model%nonlinear_mpcs(i)%rotation > 0) is_angle(model%nonlinear_mpcs(i)%rotation) = .true.
     end do
     allocate (rotation_length(0))
     if (any(is_angle)) rotation_length = merge(0.5_DP * mesh_extent(model%mesh), 1.0_DP, is_angle)

@@ -16,7 +16,7 @@
 !! are its second and first end.
 module amontons_expanded_elements
   use amontons_kinds, only: DP
-  use amontons_mesh, only: mesh_type, append_nodes, finalize_mesh
+  use amontons_mesh, only: mesh_type, append_nodes, replace_element_nodes, finalize_mesh
   use amontons_structural_data, only: structure_type, structural_section_type, director_type, SECTION_CIRC, SECTION_PIPE, &
     SECTION_BOX
   use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_B31, KIND_B31R, KIND_B32, &
@@ -61,8 +61,7 @@ contains
       first(e + 1) = first(e) + n
       nodes(first(e):first(e + 1) - 1) = solid
     end do
-    mesh%first = first
-    mesh%nodes = nodes(:first(mesh%n_elements + 1) - 1)
+    call replace_element_nodes(mesh, first, nodes(:first(mesh%n_elements + 1) - 1))
     call finalize_mesh(mesh)
   end subroutine expand_elements
 

@@ -33,8 +33,10 @@ contains
     type(equation_type), allocatable :: equations(:)
     type(nonlinear_mpc_type), allocatable :: mpcs(:)
     logical, allocatable :: is_drill_free(:), is_drill_named(:)
+    integer, allocatable :: first_at(:), elements_at(:)
     integer :: i, last, n, n_mpcs, n_new
     call release_drills(model, is_drill_free, is_drill_named)
+    call list_elements_of_nodes(model%structure, first_at, elements_at)
     associate (structure => model%structure)
       n = sum([(3 * (1 + size(structure%directors(i)%nodes)), i=1, size(structure%directors))])
       allocate (equations(n), mpcs(3 * size(structure%directors)))
@@ -46,13 +48,16 @@ contains
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
           call add_knot(model, i, last, mpcs, n_mpcs)
-          if (.not. is_drill_free(structure%directors(i)%node)) call hold_drill(model, structure%directors(i:last), equations, n)
+          if (is_drill_driven(model, i, last)) call add_drill_mpc(model, structure%directors(i), &
+            elements_at(first_at(structure%directors(i)%node):first_at(structure%directors(i)%node + 1) - 1), mpcs, n_mpcs)
+          if (.not. is_drill_free(structure%directors(i)%node)) call hold_drill(model, structure%directors(i:last), &
+            is_drill_driven(model, i, last), equations, n)
         else
           call add_tie(model, structure%directors(i), equations, n)
           if (structure%is_turned(structure%directors(i)%node)) &
             call add_rotations(model, structure%directors(i), mpcs, n_mpcs)
           if (is_drill_named(structure%directors(i)%node) .and. .not. is_drill_free(structure%directors(i)%node)) &
-            call hold_drill(model, structure%directors(i:i), equations, n)
+            call hold_drill(model, structure%directors(i:i), .false., equations, n)
         end if
         i = last + 1
       end do
@@ -86,7 +91,7 @@ contains
   end function is_knot
 
 
-  !> A rotation node, and for a knot the node of its stretch behind it.
+  !> A rotation node, and for a knot the node of its stretch behind it; then that of the rotation of the shell around it if driven.
   subroutine create_rotation_nodes(model, n_new)
     type(model_type), intent(inout) :: model
     integer, intent(out) :: n_new                !< nodes created
@@ -94,14 +99,14 @@ contains
     integer, allocatable :: owner(:)
     integer :: i, last, n_before
     associate (structure => model%structure)
-      allocate (owner(2 * size(structure%directors)), source=0)
+      allocate (owner(3 * size(structure%directors)), source=0)
       n_new = 0
       i = 1
       do while (i <= size(structure%directors))
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
-          owner(n_new + 1:n_new + 2) = structure%directors(i)%node * [1, -1]
-          n_new = n_new + 2
+          owner(n_new + 1:n_new + 3) = structure%directors(i)%node * [1, -1, -1]
+          n_new = n_new + merge(3, 2, is_drill_driven(model, i, last))
         else if (structure%is_turned(structure%directors(i)%node)) then
           n_new = n_new + 1
           owner(n_new) = structure%directors(i)%node
@@ -342,19 +347,100 @@ contains
   end function are_parallel
 
 
-  !> Holds the rotation about fibres that are all parallel, until a step prescribes a rotation that has a part along them.
-  subroutine hold_drill(model, directors, equations, n)
+  !> Whether, in the abaqus dialect, something turns a knot about its parallel fibres, and no support holds that rotation from the
+  !! first step on.
+  pure logical function is_drill_driven(model, first, last) result(is_driven)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: first, last           !< directors of the node
+    logical :: has_part(3)
+    is_driven = .false.
+    if (model%dialect == DIALECT_CALCULIX .or. .not. is_knot(model, first, last)) return
+    associate (directors => model%structure%directors(first:last))
+      if (.not. are_parallel(directors)) return
+      has_part = abs(directors(1)%axes(:, 1)) > TOL_HELD
+      is_driven = any(has_part .and. model%structure%is_driven(:, directors(1)%node)) .and. &
+        .not. any(has_part .and. model%structure%held_from(4:, directors(1)%node) == 1)
+    end associate
+  end function is_drill_driven
+
+
+  !> The rotation of the shell around a node: that which fits the nodes of its elements best.
+  subroutine add_drill_mpc(model, director, elements, mpcs, n)
+    type(model_type), intent(in) :: model
+    type(director_type), intent(in) :: director
+    integer, intent(in) :: elements(:)           !< structural elements of its node
+    type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
+    integer, intent(inout) :: n                  !< number of mpcs
+    integer, allocatable :: nodes(:)
+    integer :: e, i
+    nodes = [integer ::]
+    associate (structure => model%structure)
+      do e = 1, size(elements)
+        do i = structure%first(elements(e)), structure%first(elements(e) + 1) - 1
+          if (.not. any(nodes == structure%nodes(i))) nodes = [nodes, structure%nodes(i)]
+        end do
+      end do
+      n = n + 1
+      mpcs(n)%card = structure%sections(director%section)%card
+      mpcs(n)%line = structure%sections(director%section)%line
+    end associate
+    mpcs(n)%kind = MPC_FITTED_ROTATION
+    mpcs(n)%node = nodes
+    mpcs(n)%reference = director%node
+    mpcs(n)%rotation = model%rotation_of(director%node) + 2
+  end subroutine add_drill_mpc
+
+
+  !> The structural elements of each node of the deck. Cost: linear.
+  pure subroutine list_elements_of_nodes(structure, first_at, elements_at)
+    type(structure_type), intent(in) :: structure
+    integer, allocatable, intent(out) :: first_at(:)      !< (n_deck_nodes + 1) start of those of a node
+    integer, allocatable, intent(out) :: elements_at(:)
+    integer, allocatable :: n_at(:)
+    integer :: e, i, node
+    allocate (n_at(structure%n_deck_nodes), first_at(structure%n_deck_nodes + 1), source=0)
+    do e = 1, size(structure%section)
+      if (structure%section(e) == 0) cycle
+      do i = structure%first(e), structure%first(e + 1) - 1
+        n_at(structure%nodes(i)) = n_at(structure%nodes(i)) + 1
+      end do
+    end do
+    first_at(1) = 1
+    do node = 1, structure%n_deck_nodes
+      first_at(node + 1) = first_at(node) + n_at(node)
+    end do
+    allocate (elements_at(sum(n_at)))
+    n_at = 0
+    do e = 1, size(structure%section)
+      if (structure%section(e) == 0) cycle
+      do i = structure%first(e), structure%first(e + 1) - 1
+        node = structure%nodes(i)
+        elements_at(first_at(node) + n_at(node)) = e
+        n_at(node) = n_at(node) + 1
+      end do
+    end do
+  end subroutine list_elements_of_nodes
+
+
+  !> Holds the rotation about fibres that are all parallel, or ties it to that of the shell around the node where something turns
+  !! it, until a step prescribes a rotation that has a part along them.
+  subroutine hold_drill(model, directors, is_driven, equations, n)
     type(model_type), intent(in) :: model
     type(director_type), intent(in) :: directors(:)   !< of a node
+    logical, intent(in) :: is_driven             !< the node behind that of the stretch is the rotation of the shell
     type(equation_type), intent(inout) :: equations(:)
     integer, intent(inout) :: n                  !< number of equations
     integer :: k
     if (.not. are_parallel(directors)) return
     associate (normal => directors(1)%axes(:, 1), section => model%structure%sections(directors(1)%section), &
-      held_from => model%structure%held_from(4:, directors(1)%node))
+      rotation => model%rotation_of(directors(1)%node), held_from => model%structure%held_from(4:, directors(1)%node))
       n = n + 1
-      equations(n) = new_equation(spread(model%rotation_of(directors(1)%node), 1, 3), [1, 2, 3], normal, section%card, &
-        section%line)
+      if (is_driven) then
+        equations(n) = new_equation([spread(rotation, 1, 3), spread(rotation + 2, 1, 3)], [1, 2, 3, 1, 2, 3], &
+          [normal, -normal], section%card, section%line)
+      else
+        equations(n) = new_equation(spread(rotation, 1, 3), [1, 2, 3], normal, section%card, section%line)
+      end if
       do k = 1, 3
         if (held_from(k) > 0 .and. abs(normal(k)) > TOL_HELD) equations(n)%last_step = min(equations(n)%last_step, &
           held_from(k) - 1)

@@ -6,7 +6,7 @@ module amontons_deck_beams
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_materials, only: add_section_material
   use amontons_deck_reader, only: reader_type, report_error, read_real, read_integer, check_n_fields, check_no_data, is_card
-  use amontons_mesh, only: mesh_type, append_nodes
+  use amontons_mesh, only: mesh_type, append_nodes, replace_element_nodes
   use amontons_loads, only: equation_type
   use amontons_model, only: model_type, new_equation, gather_constraints, DIALECT_CALCULIX
   use amontons_structural_data, only: structural_section_type, structure_type, find_node_directors, SECTION_RECT, &
@@ -217,8 +217,7 @@ contains
       end associate
     end do
     call append_nodes(mesh, x)
-    mesh%first = first
-    mesh%nodes = nodes
+    call replace_element_nodes(mesh, first, nodes)
   end subroutine add_middle_nodes
 
 

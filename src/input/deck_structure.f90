@@ -346,7 +346,7 @@ contains
       structure%nodes = mesh%nodes
       call read_nodal_thickness(reader, n_given, model)
       call read_normals(reader, model)
-      call find_turned_nodes(reader, model)
+      call find_turned_nodes(reader, draft, model)
       call mark_plane_beams(mesh, structure)
       call expand_structure(model, bad_element)
       if (bad_element == 0) call hold_plane_beams(model)
@@ -588,37 +588,68 @@ contains
   end subroutine read_normals
 
 
-  !> The nodes at which supports, moments, rigid bodies or couplings need rotations.
-  subroutine find_turned_nodes(reader, model)
+  !> The nodes at which supports, moments, rigid bodies, couplings or user elements need rotations.
+  subroutine find_turned_nodes(reader, draft, model)
     type(reader_type), intent(in) :: reader
+    type(element_draft_type), intent(in) :: draft
     type(model_type), intent(inout) :: model
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c
-    logical :: is_follower
+    integer, allocatable :: nodes(:)
+    logical :: is_follower, turns_all
+    turns_all = any([(is_card(reader, c, 'TRANSFORM'), c=1, reader%cards%n_cards)])
+    do c = 1, reader%cards%n_cards
+      if (turns_all) exit
+      if (.not. is_card(reader, c, 'STEP')) cycle
+      call open_card(reader, c, parameters, row)
+      turns_all = has_parameter(parameters, 'NLGEOM')
+    end do
     allocate (model%structure%is_turned(model%mesh%n_nodes), model%structure%is_follower(model%mesh%n_nodes), source=.false.)
+    allocate (model%structure%is_driven(3, model%mesh%n_nodes), source=.false.)
     allocate (model%structure%held_from(6, model%mesh%n_nodes), source=0)
     associate (is_turned => model%structure%is_turned)
       do c = 1, reader%cards%n_cards
         if (is_card(reader, c, 'RIGIDBODY') .or. is_card(reader, c, 'COUPLING') .or. is_card(reader, c, 'KINEMATICCOUPLING')) then
           call open_card(reader, c, parameters, row)
-          is_turned(named_nodes(reader, model, parameter_text(parameters, 'REF NODE'))) = .true.
+          nodes = named_nodes(reader, model, parameter_text(parameters, 'REF NODE'))
+          is_turned(nodes) = .true.
+          model%structure%is_driven(:, nodes) = .true.
         else if (is_card(reader, c, 'BOUNDARY') .or. is_card(reader, c, 'CLOAD')) then
           call open_card(reader, c, parameters, row)
           is_follower = has_parameter(parameters, 'FOLLOWER') .and. model%dialect /= DIALECT_CALCULIX
           do while (next_row(reader%cards, row))
-            call note_dofs(reader, model, c, row)
+            call note_dofs(reader, model, c, row, turns_all)
             if (is_follower) model%structure%is_follower(named_nodes(reader, model, field_text(reader%cards, row, 1))) = .true.
           end do
         end if
       end do
       is_turned = is_turned .or. model%structure%is_follower
+      do c = 1, draft%n
+        if (draft%user_kind(c) == 0 .or. draft%mesh_index(c) == 0) cycle
+        nodes = user_rotation_nodes(model, draft%user_kind(c), draft%mesh_index(c))
+        is_turned(nodes) = .true.
+        model%structure%is_driven(:, nodes) = .true.
+      end do
       call find_rotation_terms(reader, model)
       do c = 1, size(model%structure%rotation_terms, 2)
         is_turned(model%structure%rotation_terms(2, c)) = .true.
       end do
     end associate
   end subroutine find_turned_nodes
+
+
+  !> The nodes of a user element, as that of a beam by its section, whose rotations are unknowns of it.
+  pure function user_rotation_nodes(model, kind, element) result(nodes)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: kind                  !< index into the kinds of user elements
+    integer, intent(in) :: element               !< of the mesh
+    integer, allocatable :: nodes(:)
+    associate (unknowns => model%user_elements%kinds(kind))
+      nodes = model%mesh%nodes(model%mesh%first(element) - 1 + pack(unknowns%node, unknowns%dof > 3))
+    end associate
+    nodes = pack(nodes, nodes > 0)
+  end function user_rotation_nodes
 
 
   !> The rotations that EQUATION cards name. Malformed rows end a card; their errors are reported where equations are read.
@@ -679,11 +710,12 @@ contains
 
 
   !> Marks the nodes of a row of BOUNDARY or CLOAD whose rotations it names, and the degrees of freedom that BOUNDARY prescribes.
-  subroutine note_dofs(reader, model, c, row)
+  subroutine note_dofs(reader, model, c, row, turns_all)
     type(reader_type), intent(in) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: c                     !< index of the card
     type(data_row_type), intent(in) :: row
+    logical, intent(in) :: turns_all             !< TRANSFORM or NLGEOM: a moment may get parts along all axes of a fibre
     integer, allocatable :: nodes(:)
     logical :: is_named(6)
     integer :: first, last, status, i, k
@@ -698,7 +730,13 @@ contains
     end if
     nodes = named_nodes(reader, model, field_text(reader%cards, row, 1))
     if (any(is_named(4:))) model%structure%is_turned(nodes) = .true.
-    if (.not. is_card(reader, c, 'BOUNDARY')) return
+    if (.not. is_card(reader, c, 'BOUNDARY')) then
+      if (turns_all) is_named(4:) = any(is_named(4:))
+      do i = 1, size(nodes)
+        model%structure%is_driven(:, nodes(i)) = model%structure%is_driven(:, nodes(i)) .or. is_named(4:)
+      end do
+      return
+    end if
     do i = 1, size(nodes)
       where (is_named .and. model%structure%held_from(:, nodes(i)) == 0) model%structure%held_from(:, nodes(i)) = &
         max(1, reader%step_of_card(c))

@@ -9,7 +9,7 @@ module amontons_mesh
   implicit none
   private
   public :: mesh_type, set_type, finalize_mesh, element_nodes, wall_ratios, append_node, append_nodes, append_node_copies, &
-    mesh_extent, find_connected_nodes
+    mesh_extent, find_connected_nodes, replace_element_nodes
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -76,6 +76,28 @@ contains
     if (.not. allocated(mesh%is_auxiliary)) allocate (mesh%is_auxiliary(mesh%n_nodes), source=.false.)
     if (allocated(mesh%nodes)) call find_unstiffened_dofs(mesh)
   end subroutine finalize_mesh
+
+
+  !> Gives the elements other nodes. Those of user elements stay, and with them the displacements that they stiffen.
+  subroutine replace_element_nodes(mesh, first, nodes)
+    type(mesh_type), intent(inout) :: mesh
+    integer, intent(in) :: first(:)              !< (n_elements + 1)
+    integer, intent(in) :: nodes(:)
+    logical, allocatable :: directions(:, :)
+    type(element_kind_type) :: entry
+    integer :: e
+    if (allocated(mesh%user_directions)) then
+      allocate (directions(3, size(nodes)), source=.false.)
+      do e = 1, mesh%n_elements
+        entry = element_kind(mesh%kind(e))
+        if (entry%family == FAMILY_USER) directions(:, first(e):first(e + 1) - 1) = &
+          mesh%user_directions(:, mesh%first(e):mesh%first(e + 1) - 1)
+      end do
+      call move_alloc(directions, mesh%user_directions)
+    end if
+    mesh%first = first
+    mesh%nodes = nodes
+  end subroutine replace_element_nodes
 
 
   !> Displacements without stiffness from any element of their node: the third of a node of plane elements (regardless of springs or

@@ -16,6 +16,7 @@ module amontons_model
   implicit none
   private
   public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, list_follower_nodes, &
+    find_finite_rotations, &
     has_unsymmetric_elements, with_pretension_copies, new_equation, append_equation, append_mpc, &
     gather_constraints, &
     is_out, absent_elements, material_in_step, load_now, displacement_now, &
@@ -140,6 +141,18 @@ contains
     end do
     nodes = pack([(i, i=1, model%mesh%n_nodes)], is_follower)
   end function list_follower_nodes
+
+
+  !> Nodes whose displacement is the vector w of a finite rotation R(w): of rigid bodies, KINEMATIC couplings, shells and beams.
+  pure function find_finite_rotations(model) result(is_rotation)
+    type(model_type), intent(in) :: model
+    logical, allocatable :: is_rotation(:)       !< (n_nodes)
+    integer :: i
+    allocate (is_rotation(model%mesh%n_nodes), source=.false.)
+    do i = 1, n_nonlinear_mpcs(model)
+      if (model%nonlinear_mpcs(i)%rotation > 0) is_rotation(model%nonlinear_mpcs(i)%rotation) = .true.
+    end do
+  end function find_finite_rotations
 
 
   !> Nodes and their duplicates: the nodes on both sides of a pre-tension section have the same position.

@@ -65,6 +65,7 @@ module amontons_structural_data
     real(DP), allocatable :: nodal_thickness(:, :)   !< (2, n_nodes) NODAL THICKNESS; 0: not given [length]
     real(DP), allocatable :: given_normal(:, :)      !< (3, size(nodes)) NORMAL, unit vectors; 0: not given
     logical, allocatable :: is_turned(:)         !< (n_nodes) rotations or moments are prescribed there
+    logical, allocatable :: is_driven(:, :)      !< (3, n_nodes) a moment, a coupling or a beam turns it about this axis
     logical, allocatable :: is_follower(:)       !< (n_nodes) a force turns with it, which takes finite rotations
     logical, allocatable :: is_plane(:)          !< (n_nodes) of a beam in the plane or of an axisymmetric shell
     integer, allocatable :: held_from(:, :)      !< (6, n_nodes) first step that prescribes the degree of freedom; 0: none does

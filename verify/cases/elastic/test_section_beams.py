@@ -196,3 +196,29 @@ def test_missing_node(run_deck: Run) -> None:
     )
     assert done.returncode == 3, done.stdout + done.stderr
     assert "There is no node 2." in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("order", ["beams first", "shells first"])
+def test_beam_on_a_shell(run_deck: Run, tmp_path: Path, order: str) -> None:
+    """An I-beam stands on a plate that is held all around: it bends by F h^3/(3 E I) + F h/(k G A) against the fibre of the plate at its foot, to the digits
+    of the table, twists by T h/(G J), of which the plate adds 3 % at most, and the moments of the supports are those of the loads.
+    """
+    height, force, torque = 200.0, 30.0, 50.0
+    area, j = 2 * 100 * 8.5 + 183 * 5.6, (2 * 100 * 8.5**3 + 191.5 * 5.6**3) / 3
+    inertia = (100 * 200**3 - (100 - 5.6) * 183**3) / 12
+    plate = "".join(f"{10 * i + k + 1}, {100. * i}, {100. * k}, 0.\n" for i in range(5) for k in range(5))
+    shells = "*ELEMENT, TYPE=S4, ELSET=PLATE\n" + "".join(f"{100 + 10 * i + k}, {10 * i + k + 1}, {10 * i + k + 11}, {10 * i + k + 12}, {10 * i + k + 2}\n" for i in range(4) for k in range(4))
+    beams = "*ELEMENT, TYPE=B31, ELSET=COLUMN\n501, 23, 51\n502, 51, 52\n"
+    edge = "".join(f"{10 * i + k + 1}, 1, 3\n" for i in range(5) for k in range(5) if {i, k} & {0, 4})
+    text = f"*NODE, NSET=ALL\n{plate}51, 200., 200., {height / 2}\n52, 200., 200., {height}\n" + (beams + shells if order == "beams first" else shells + beams)
+    text += MATERIAL + "*SHELL SECTION, ELSET=PLATE, MATERIAL=M\n85.\n*BEAM SECTION, ELSET=COLUMN, MATERIAL=M, SECTION=I\n100., 200., 100., 100., 8.5, 8.5, 5.6\n0., 1., 0.\n"
+    text += f"*BOUNDARY\n{edge}*STEP\n*STATIC\n*CLOAD\n52, 1, {force}\n52, 6, {torque}\n*NODE PRINT, NSET=ALL\nU, UR, RF\n*END STEP\n"
+    done = run_deck(text)
+    assert done.returncode == 0, done.stdout + done.stderr
+    moved, turned, forces = (table.rows for table in read_dat(tmp_path / "job.dat"))
+    places = {10 * i + k + 1: np.array([100.0 * i, 100.0 * k, 0.0]) for i in range(5) for k in range(5)}
+    moment = np.sum([np.cross(places[n], forces[(n,)]) for n in places], axis=0)
+    assert np.abs(moment + np.cross([200, 200, height], [force, 0, 0]) + [0, 0, torque]).max() <= 1e-5 * 200 * force
+    lengths = height**3 / (3 * E * inertia) + height / (0.44 * G * area)
+    assert moved[(52,)][0] - moved[(23,)][0] - turned[(23,)][1] * height == pytest.approx(force * lengths, rel=1e-5)
+    assert turned[(52,)][2] == pytest.approx(torque * height / (G * j), rel=0.03)

@@ -6,12 +6,15 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from verify.cases.proof import Case
+from verify.conftest import Run
 from verify.decks.shells import Floats, held, section, shell
+from verify.readers.dat_frd_files import read_dat
 from verify.study.shell_benchmarks import cylinder, hemisphere
 
 Proof = Callable[..., Case]
@@ -278,3 +281,29 @@ def test_contact_sees_thickness(proof: Proof) -> None:
     job = case.run("".join(rows), "plates", requested=10)
     case.near("force", float(np.sum(job.last("RF")[:4, 2])), 10.0, 1e-6, why="exact for these elements", place="the lower plate", time="the end")
     case.done()
+
+
+@pytest.mark.parametrize("is_finite", [False, True], ids=["linear", "nlgeom"])
+@pytest.mark.parametrize("by", ["moment", "coupling", "rigid body"])
+def test_moment_about_the_normal(run_deck: Run, tmp_path: Path, by: str, is_finite: bool) -> None:
+    """A strip 60 x 20 x 4 bends in its plane by M L^2/(2 E I), 3 %: under a moment about the normal at the node in the middle of its end, or under
+    a couple on a block whose face is coupled to this node. The supports balance it.
+    """
+    nodes = {100 * i + k + 1: (10.0 * i, 10.0 * k, 0.0) for i in range(7) for k in range(3)}
+    block = {901 + 4 * z + n: (x, y, 3.0 + 5 * z) for z in range(2) for n, (x, y) in enumerate([(55, 5), (65, 5), (65, 15), (55, 15)])}
+    text = "*NODE, NSET=N\n" + "".join(f"{n}, {x}, {y}, {z}\n" for n, (x, y, z) in nodes.items()) + "*ELEMENT, TYPE=S4, ELSET=E\n"
+    text += "".join(f"{10 * i + k + 1}, {100 * i + k + 1}, {100 * i + k + 101}, {100 * i + k + 102}, {100 * i + k + 2}\n" for i in range(6) for k in range(2))
+    text += "*SHELL SECTION, ELSET=E, MATERIAL=M\n4.\n*MATERIAL, NAME=M\n*ELASTIC\n210000., 0.3\n*NSET, NSET=FIX\n1, 2, 3\n*NSET, NSET=END\n601, 603\n"
+    loads = "602, 6, 100.\n"
+    if by != "moment":
+        text += "*NODE\n" + "".join(f"{n}, {x}, {y}, {z}\n" for n, (x, y, z) in block.items()) + "*ELEMENT, TYPE=C3D8, ELSET=B\n901, " + ", ".join(map(str, block))
+        text += "\n*SOLID SECTION, ELSET=B, MATERIAL=M\n*SURFACE, NAME=FOOT\nB, S1\n*NSET, NSET=FEET\n901, 902, 903, 904\n"
+        text += ("*COUPLING, CONSTRAINT NAME=C, REF NODE=602, SURFACE=FOOT\n*DISTRIBUTING\n" if by == "coupling" else "*RIGID BODY, TIE NSET=FEET, REF NODE=602\n")
+        loads = "905, 2, -10.\n906, 2, 10.\n"
+    deck = f"{text}*BOUNDARY\nFIX, ENCASTRE\n*STEP\n*STATIC\n*CLOAD\n{loads}*NODE PRINT, NSET=N\nU, RF\n*END STEP\n"
+    done = run_deck(deck.replace("*STEP\n*STATIC", "*STEP, NLGEOM\n*STATIC") if is_finite else deck)
+    assert done.returncode == 0, done.stdout + done.stderr
+    moved, forces = (table.rows for table in read_dat(tmp_path / "job.dat"))
+    moment = sum(np.cross(nodes[n], forces[(n,)]) for n in (1, 2, 3))
+    assert moment[2] == pytest.approx(-100, rel=1e-4)
+    assert np.mean([moved[(n,)][1] for n in (601, 603)]) == pytest.approx(100 * 60**2 / (2 * 210000 * 4 * 20**3 / 12), rel=0.03)

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from verify.conftest import Run
-from verify.independent.results import read_field, read_history
+from verify.independent.results import read_field, read_history, read_results
 
 LENGTH, SIDE, MODULUS = 10.0, 0.1, 1.2e6
 DECK_ERROR = 3
@@ -70,6 +70,35 @@ def test_cantilever_under_a_follower_force(kind: str, load: float, run_deck: Run
     result = run_deck(cantilever(kind, load).replace(", FOLLOWER", ""))
     assert result.returncode == 0, result.stdout + result.stderr
     assert np.abs(read_tip(tmp_path / "job.vtkhdf") - reference).max() > 0.05 * LENGTH  # a force of fixed direction bends it less
+
+
+@pytest.mark.parametrize("kind", ["B32", "C3D8I"])
+def test_moments_keep_their_axes(kind: str, run_deck: Run, tmp_path: Path) -> None:
+    """A moment bends the cantilever by 1 rad, one about x stays about x: the moments of the clamp balance both, to the tolerance of Newton's
+    method. Forces on the components of a rotation vector would differ by about half of the angle.
+    """
+    bending = MODULUS * SIDE**4 / 12 / LENGTH
+    deck = cantilever(kind, 0.0)
+    moments = f"*CLOAD\nTIP, 6, {bending}\nTIP, 4, {0.1 * bending}\n"
+    result = run_deck(deck[: deck.index("*CLOAD")] + moments + "*END STEP\n")
+    assert result.returncode == 0, result.stdout + result.stderr
+    data = read_results(tmp_path / "job.vtkhdf")
+    assert data.reactions is not None
+    place, force, moment = data.points, data.reactions[-1], np.zeros(3)
+    if kind == "B32":  # the moments of its clamp are the forces of the rotation node
+        is_rotation = ~np.isin(np.arange(len(place)), used_nodes(tmp_path / "job.vtkhdf"))
+        is_rotation[:21] = False
+        assert np.abs(data.displacements[-1][is_rotation]).max() > 0.9
+        moment, force = force[is_rotation].sum(axis=0), np.where(is_rotation[:, None], 0, force)
+    moment = moment + np.cross(place, force).sum(axis=0)
+    assert np.abs(moment + [0.1 * bending, 0, bending]).max() <= 1e-4 * bending, moment / bending
+    assert np.abs(force.sum(axis=0)).max() <= 1e-5 * bending / LENGTH
+
+
+def used_nodes(path: Path) -> np.ndarray:
+    """The nodes of elements."""
+    with h5py.File(path) as file:
+        return np.unique(file["VTKHDF/Connectivity"][:])
 
 
 def read_tip(path: Path) -> np.ndarray:

@@ -6,7 +6,7 @@ program test_knots
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_constraints, only: constraint_row_type
-  use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_MEAN_ROTATION
+  use amontons_mpc_data, only: MPC_RIGID_BODY, MPC_MEAN_ROTATION, MPC_FITTED_ROTATION
   use amontons_nonlinear_mpc, only: evaluate_mpc_rows
   use amontons_tensor, only: rotation_matrix
   use check, only: suite_type
@@ -25,6 +25,11 @@ program test_knots
   call suite%that('a turned fibre', size(model%nonlinear_mpcs) == 1 .and. model%nonlinear_mpcs(1)%kind == MPC_RIGID_BODY)
   call suite%that('its drill is held', size(model%equations) == 3 * 3 + 1)
   call check_motion('fibre')
+  call expect_read('', model, step='*STEP;*STATIC;*CLOAD;1,6,1.;*END STEP;')
+  call suite%that('a moment about the normal turns the shell around', size(model%nonlinear_mpcs) == 2 .and. &
+    model%nonlinear_mpcs(2)%kind == MPC_FITTED_ROTATION .and. size(model%nonlinear_mpcs(2)%node) == 4)
+  call suite%that('its drill follows', size(model%equations) == 3 * 3 + 1)
+  call check_motion('driven fibre')
   call expect_read('*BOUNDARY;1,4,5;', model, DIALECT_CALCULIX)
   call suite%that('mean rotations about x and y', size(model%nonlinear_mpcs) == 2 .and. &
     all(model%nonlinear_mpcs%kind == MPC_MEAN_ROTATION))
@@ -66,7 +71,7 @@ contains
     u = matmul(R, model%mesh%coordinates) - model%mesh%coordinates + spread([0.1_DP, 0.2_DP, 0.3_DP], 2, model%mesh%n_nodes)
     do i = 1, size(model%nonlinear_mpcs)
       u(:, model%nonlinear_mpcs(i)%rotation) = W
-      u(:, model%nonlinear_mpcs(i)%expansion) = 0
+      if (model%nonlinear_mpcs(i)%expansion > 0) u(:, model%nonlinear_mpcs(i)%expansion) = 0
     end do
     largest = 0
     do i = 1, size(model%equations)
