@@ -16,7 +16,8 @@ module amontons_assembly
   use amontons_mpi_ranks, only: sum_over_ranks, min_over_ranks
   use amontons_assembly_plan, only: assembly_type, ensure_matrix, is_own_element, add_row_block
   use amontons_hex8_simd, only: batch_type, is_batch_kind, set_batch_lane, &
-    evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
+    evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS, BATCH_HISTORY
+  use amontons_hex8_plastic_simd, only: is_plastic_batch_kind, evaluate_plastic_batch_forces, evaluate_plastic_batch_tangent
   use amontons_truss_spring_mass, only: spring_energy
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
   use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields
@@ -100,22 +101,34 @@ contains
   end function list_batch_span
 
 
-  !> Marks the elements that one batch can hold, of the kind of the first of them; the others are evaluated one by one.
-  pure subroutine choose_batch_elements(model, i_step, elements, is_nlgeom, is_chosen)
+  !> Marks the elements that one batch can hold, of the kind of the first of them, and with its material if that is plastic; the
+  !! others are evaluated one by one.
+  pure subroutine choose_batch_elements(model, i_step, elements, is_nlgeom, is_chosen, is_plastic)
     type(model_type), intent(in) :: model
     integer, intent(in) :: i_step                  !< index into model%steps
     integer, intent(in) :: elements(:)             !< at most BATCH_WIDTH
     logical, intent(in) :: is_nlgeom
     logical, intent(out) :: is_chosen(:)              !< of the elements
-    integer :: k, first
+    logical, intent(out) :: is_plastic             !< of the chosen ones: hex8_plastic_simd evaluates them
+    integer :: k, m, first, material_of_first
+    logical :: is_plastic_k
     first = 0
+    material_of_first = 0
     is_chosen = .false.
+    is_plastic = .false.
     do k = 1, size(elements)
       associate (e => elements(k))
         if (is_out(model, i_step, e)) cycle
-        if (.not. is_batch_kind(model%mesh%kind(e), model%materials(element_material(model, i_step, e)), is_nlgeom)) cycle
-        if (first == 0) first = e
-        is_chosen(k) = model%mesh%kind(e) == model%mesh%kind(first)
+        m = element_material(model, i_step, e)
+        is_plastic_k = is_plastic_batch_kind(model%mesh%kind(e), model%materials(m), is_nlgeom)
+        if (.not. (is_plastic_k .or. is_batch_kind(model%mesh%kind(e), model%materials(m), is_nlgeom))) cycle
+        if (first == 0) then
+          first = e
+          material_of_first = m
+          is_plastic = is_plastic_k
+        end if
+        is_chosen(k) = model%mesh%kind(e) == model%mesh%kind(first) .and. (is_plastic_k .eqv. is_plastic) .and. &
+          (m == material_of_first .or. .not. is_plastic)
       end associate
     end do
     if (count(is_chosen) < MIN_BATCH_ELEMENTS) is_chosen = .false.
@@ -123,17 +136,20 @@ contains
 
 
   !> Puts the chosen elements into the lanes of a batch; unused lanes repeat the last element.
-  pure subroutine load_batch(model, list, fields, batch)
+  pure subroutine load_batch(model, list, state, is_plastic, batch)
     type(model_type), intent(in) :: model
     integer, intent(in) :: list(:)                 !< elements, at least one
-    type(fields_type), intent(in) :: fields
+    type(state_type), intent(in) :: state
+    logical, intent(in) :: is_plastic              !< with the committed history
     type(batch_type), intent(inout) :: batch
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
-    integer :: lane
+    integer :: lane, p
     do lane = 1, BATCH_WIDTH
       associate (e => list(min(lane, size(list))))
-        call set_element_configuration(model%mesh, e, fields, X, u)
-        call set_batch_lane(batch, lane, model%materials(element_material(model, fields%step, e)), X(:, :8), u(:, :8))
+        call set_element_configuration(model%mesh, e, state%new, X, u)
+        call set_batch_lane(batch, lane, model%materials(element_material(model, state%new%step, e)), X(:, :8), u(:, :8))
+        p = model%mesh%point_first(e)
+        if (is_plastic) batch%history_old(lane, :, :) = state%old%history(:BATCH_HISTORY, p:p + 7)
       end associate
     end do
   end subroutine load_batch
@@ -149,13 +165,18 @@ contains
     integer, intent(inout) :: failed
     type(batch_type) :: batch
     integer, allocatable :: list(:)
-    logical :: is_chosen(size(elements))
+    logical :: is_chosen(size(elements)), is_plastic
     integer :: k, lane, a, p, first
-    call choose_batch_elements(model, state%new%step, elements, is_nlgeom, is_chosen)
+    call choose_batch_elements(model, state%new%step, elements, is_nlgeom, is_chosen, is_plastic)
     list = pack(elements, is_chosen)
     if (size(list) > 0) then
-      call load_batch(model, list, state%new, batch)
-      call evaluate_batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      call load_batch(model, list, state, is_plastic, batch)
+      if (is_plastic) then
+        k = element_material(model, state%new%step, list(1))
+        call evaluate_plastic_batch_forces(batch, assembly%rule, model%materials(k), allocated(state%new%stress))
+      else
+        call evaluate_batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      end if
       if (.not. batch%is_sound) is_chosen = .false.
     end if
     do k = 1, size(elements)
@@ -176,6 +197,7 @@ contains
         fields%strain(:, p:p + 7) = batch%strain(lane, :, :)
         fields%energy(p:p + 7) = batch%energy(lane, :)
         fields%volume(p:p + 7) = batch%volume(lane, :)
+        if (is_plastic) fields%history(:BATCH_HISTORY, p:p + 7) = batch%history(lane, :, :)
       end do
     end associate
   end subroutine add_group_forces
@@ -191,13 +213,18 @@ contains
     integer, intent(inout) :: failed
     type(batch_type) :: batch
     integer, allocatable :: list(:)
-    logical :: is_chosen(size(elements))
+    logical :: is_chosen(size(elements)), is_plastic
     integer :: k, lane
-    call choose_batch_elements(model, state%new%step, elements, is_nlgeom, is_chosen)
+    call choose_batch_elements(model, state%new%step, elements, is_nlgeom, is_chosen, is_plastic)
     list = pack(elements, is_chosen)
     if (size(list) > 0) then
-      call load_batch(model, list, state%new, batch)
-      call evaluate_batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      call load_batch(model, list, state, is_plastic, batch)
+      if (is_plastic) then
+        k = element_material(model, state%new%step, list(1))
+        call evaluate_plastic_batch_tangent(batch, assembly%rule, model%materials(k))
+      else
+        call evaluate_batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+      end if
       if (.not. batch%is_sound) is_chosen = .false.
     end if
     do k = 1, size(elements)

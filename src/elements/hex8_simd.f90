@@ -13,18 +13,20 @@
 module amontons_hex8_simd
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, LAW_SAINT_VENANT
+  use amontons_materials, only: material_type, LAW_SAINT_VENANT, HISTORY_INELASTIC
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_elasticity, only: MAX_DISPLACEMENT_GRADIENT
   use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, evaluate_batch_forces, &
-    evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS
+    evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS, BATCH_HISTORY
+  public :: batch_point_type, evaluate_batch_point, adjugate, deformation_gradient, evaluate_green_strain, unpack_batch_voigt
 
   integer, parameter :: BATCH_WIDTH = 8                  !< elements of a batch
   integer, parameter :: N = 8                      !< nodes, and points, of an element
   integer, parameter :: N_NODE_PAIRS = N * (N + 1) / 2  !< pairs of nodes a <= b, those of b = 1 first
+  integer, parameter :: BATCH_HISTORY = HISTORY_INELASTIC + 5   !< history variables of plasticity with isotropic hardening
 
   !> Derivatives of the shape functions at the points, and the weights of these.
   type :: batch_rule_type
@@ -44,6 +46,8 @@ module amontons_hex8_simd
     real(DP) :: strain(BATCH_WIDTH, 6, N)                !< small, or Green's; tensor components [-]
     real(DP) :: energy(BATCH_WIDTH, N)                   !< per reference volume [stress]
     real(DP) :: volume(BATCH_WIDTH, N)                   !< reference volumes of the points [length^3]
+    real(DP) :: history_old(BATCH_WIDTH, BATCH_HISTORY, N)   !< committed history; of plastic materials only
+    real(DP) :: history(BATCH_WIDTH, BATCH_HISTORY, N)   !< at the end of the increment; likewise
   end type batch_type
 
   !> What has been found at one point of the eight elements.

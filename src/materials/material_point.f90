@@ -35,6 +35,7 @@ module amontons_material_point
   use amontons_user_material, only: umat_point_type, evaluate_umat
   implicit none
   private
+  public :: SQRT_3_2
   public :: material_point_type, update_material_point, elastic_strain_from_stress, evaluate_thermal_strain, evaluate_orientation
 
   !> Input and output of a material point. The committed history is read, never written.

@@ -8,11 +8,13 @@
 module amontons_plasticity
   use amontons_kinds, only: DP
   use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS, TOL_ROOT
-  use amontons_materials, only: material_type, evaluate_curves, evaluate_table, CREEP_NONE, CREEP_TIME_HARDENING, &
+  use amontons_materials, only: material_type, hardening_curve_type, evaluate_curves, evaluate_table, CREEP_NONE, &
+    CREEP_TIME_HARDENING, &
     LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   implicit none
   private
-  public :: return_mapping_type, anisotropic_return_type, map_radial_return, is_inelastic, RETURN_OK, RETURN_FAILED, &
+  public :: return_mapping_type, anisotropic_return_type, map_radial_return, return_to_curve, is_inelastic, &
+    RETURN_OK, RETURN_FAILED, &
     evaluate_ramberg_osgood, map_anisotropic_return, TOL_YIELD
 
   integer, parameter :: RETURN_OK = 0              !< all is well
@@ -83,6 +85,10 @@ contains
     integer, intent(out) :: status                 !< RETURN_...
     type(return_problem_type) :: problem
     real(DP) :: yield, slope
+    if (has_one_curve(material)) then
+      call return_to_curve(material%isotropic_hardening(1), G, q_trial, history_old(HISTORY_PEEQ), solution, status)
+      return
+    end if
     status = RETURN_OK
     problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), &
       p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
@@ -99,6 +105,52 @@ contains
     call solve_plasticity_and_creep(material, problem, solution, status)
     solution%flow = solution%plastic + solution%creep
   end subroutine map_radial_return
+
+
+  !> Whether the only inelasticity of a material is isotropic hardening by one curve.
+  pure logical function has_one_curve(material)
+    type(material_type), intent(in) :: material
+    has_one_curve = allocated(material%isotropic_hardening) .and. .not. allocated(material%kinematic_hardening) .and. &
+      material%creep_law == CREEP_NONE
+    if (has_one_curve) has_one_curve = size(material%isotropic_hardening) == 1
+  end function has_one_curve
+
+
+  !> The return with isotropic hardening by one curve: q_trial - 3 G p = y(p_old + p) is linear in each segment of the curve, and
+  !! the first segment that contains its root has the solution.
+  pure subroutine return_to_curve(curve, G, q_trial, p_old, solution, status)
+    type(hardening_curve_type), intent(in) :: curve
+    real(DP), intent(in) :: G                      !< shear modulus [stress]
+    real(DP), intent(in) :: q_trial                !< von Mises stress of the trial deviator [stress]
+    real(DP), intent(in) :: p_old                  !< committed equivalent plastic strain [-]
+    type(return_mapping_type), intent(out) :: solution
+    integer, intent(out) :: status                 !< RETURN_...
+    real(DP) :: slope, yield, p
+    integer :: i, n
+    logical :: is_elastic
+    status = RETURN_OK
+    n = size(curve%strain)
+    is_elastic = .true.
+    do i = 1, n
+      slope = 0
+      if (i < n) then
+        if (curve%strain(i + 1) <= p_old) cycle
+        slope = (curve%stress(i + 1) - curve%stress(i)) / (curve%strain(i + 1) - curve%strain(i))
+      end if
+      yield = curve%stress(i) + slope * (p_old - curve%strain(i))   ! the segment's line at p_old
+      if (is_elastic .and. q_trial <= yield * (1 + TOL_YIELD)) return
+      is_elastic = .false.
+      if (.not. 3 * G + slope > 0) status = RETURN_FAILED
+      if (status /= RETURN_OK) return
+      p = (q_trial - yield) / (3 * G + slope)
+      if (i == n) exit
+      if (p_old + p <= curve%strain(i + 1)) exit
+    end do
+    solution%plastic = p
+    solution%flow = p
+    solution%ratio = 1 - 3 * G * p / q_trial
+    solution%slope = slope / (3 * G + slope)
+  end subroutine return_to_curve
 
 
   !> Creep without yielding: f(c) = c - dt rate(q_trial - 3 G c) = 0, f ascending, bracketed by 0 and q_trial/(3 G).

@@ -158,10 +158,10 @@ module amontons_controls
                                            !! of the factor; it reads the factor twice [-] | doc/performance.md
     real(DP) :: old_factor_work_ratio = 0.5_DP   !< Krylov iterations with the factor of an earlier iteration may take so much of
                                            !! the work of a new one [-] | newton_step
-    integer :: min_old_iterations = 10     !< a factor with fewer of them in that work is not reused | set
+    integer :: min_old_iterations = 4      !< a factor with fewer of them in that work is not reused | doc/theory/solver.md
     integer :: max_iteration_growth = 3    !< iterations with an earlier preconditioner over those that it took when it was new |
                                            !! newton_step
-    real(DP) :: old_factor_tolerance = 1.0e-3_DP   !< largest residual of a direction with it over the right-hand side [-] |
+    real(DP) :: old_factor_tolerance = 1.0e-4_DP   !< largest residual of a direction with it over the right-hand side [-] |
                                            !! newton_step
     real(DP) :: energy_tolerance = 1.0e-4_DP   !< largest residual of an iterated direction of Newton's method, in the norm of the
                                            !! preconditioner, over the right-hand side [-] | doc/theory/solver.md

@@ -4,8 +4,8 @@ program test_plasticity
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_SAINT_VENANT, &
     CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
-  use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
-    is_inelastic, evaluate_ramberg_osgood, RETURN_OK
+  use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, return_to_curve, &
+    map_anisotropic_return, is_inelastic, evaluate_ramberg_osgood, RETURN_OK, RETURN_FAILED
   use amontons_elasticity, only: isotropic_tangent
   use amontons_tensor, only: von_mises
   use check, only: suite_type
@@ -13,6 +13,7 @@ program test_plasticity
   real(DP), parameter :: G = 80000.0_DP, Y0 = 240.0_DP, H_ISO = 1000.0_DP, H_KIN = 3000.0_DP
   type(suite_type) :: suite
   call check_linear_hardening()
+  call check_segments()
   call check_softening()
   call check_creep()
   call check_creep_hardening()
@@ -62,6 +63,36 @@ contains
     call map_radial_return(material, G, q_trial, 0.0_DP, [3.0_DP, 2.0_DP], history, solution, status)
     call suite%that('the return succeeds', status == RETURN_OK)
   end function solve
+
+
+  !> The closed form over the segments of a curve is the root that the search finds with the same curve at two temperatures; a
+  !! segment whose slope is below -3 G has none.
+  subroutine check_segments()
+    type(material_type) :: closed, searched
+    type(return_mapping_type) :: a, b
+    real(DP) :: q
+    integer :: i, j, status
+    real(DP), parameter :: P_OLD(4) = [0.0_DP, 0.005_DP, 0.01_DP, 0.5_DP]
+    allocate (closed%isotropic_hardening(1))
+    closed%isotropic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 0.002_DP, 0.01_DP, 0.05_DP], [Y0, 400.0_DP, 380.0_DP, &
+      500.0_DP])
+    searched%isotropic_hardening = [closed%isotropic_hardening, closed%isotropic_hardening]
+    searched%isotropic_hardening(2)%temperature = 100
+    do j = 1, size(P_OLD)
+      do i = 1, 12
+        q = 200.0_DP * 1.5_DP**i                   ! from elastic to over all segments
+        a = solve(closed, q, P_OLD(j), 0.0_DP)
+        b = solve(searched, q, P_OLD(j), 0.0_DP)
+        call suite%near('segments: dp', a%plastic, b%plastic, 1.0e-14_DP)
+        call suite%near('segments: flow', a%flow, b%flow, 1.0e-14_DP)
+        call suite%near('segments: theta', a%ratio, b%ratio, 1.0e-11_DP)
+        call suite%near('segments: kappa', a%slope, b%slope, 1.0e-12_DP)
+      end do
+    end do
+    call return_to_curve(hardening_curve_type(0.0_DP, [0.0_DP, 0.001_DP, 1.0_DP], [Y0, 1.0_DP, 2.0_DP]), 1000.0_DP, 300.0_DP, &
+      0.0_DP, a, status)
+    call suite%that('too much softening', status == RETURN_FAILED)
+  end subroutine check_segments
 
 
   !> dp = (q - y)/(3 G + h), with the hardening that counts, from a committed plastic strain on.
