@@ -111,8 +111,9 @@ contains
   subroutine describe_cone(table)
     type(card_table_type), intent(inout) :: table
     call table%card('DRUCKER PRAGER', SCOPE_MODEL, 'Plasticity of soils, rock and polymers after Drucker and Prager: yield at ' // &
-      'q - p tan(beta) = d, flow along q - p tan(psi); q is the von Mises stress, p the pressure. DRUCKER PRAGER HARDENING ' // &
-      'gives d.', parent='MATERIAL', data='friction angle beta, K (1 or blank), dilation angle psi, in degrees, temperature')
+      't - p tan(beta) = d, flow along t - p tan(psi); t is the von Mises stress or, with K, less in compression; p is the ' // &
+      'pressure. DRUCKER PRAGER HARDENING gives d.', parent='MATERIAL', &
+      data='friction angle beta, K (0.778 to 1; blank: 1), dilation angle psi, in degrees, temperature')
     call table%option('SHEAR CRITERION', VALUE_WORD, 'The line in the plane of p and q.', allowed='LINEAR', default='LINEAR')
     call table%reject_words('HYPERBOLIC|EXPONENT FORM', 'Only the linear cone is here; it ends in an apex.')
     call table%option('ECCENTRICITY|TEST DATA', VALUE_TEXT, 'They belong to the other criteria.', status=ENTRY_REJECTED)
@@ -123,6 +124,17 @@ contains
     call table%option('TYPE', VALUE_WORD, 'The test: uniaxial compression, uniaxial tension or pure shear.', &
       allowed='COMPRESSION|TENSION|SHEAR', default='COMPRESSION')
     call table%option('RATE', VALUE_TEXT, 'Rates of strain do not count here.', status=ENTRY_REJECTED)
+    call describe_field_variables(table)
+    call table%card('MOHR COULOMB', SCOPE_MODEL, 'Plasticity of soils and rock after Mohr and Coulomb: shear stress and ' // &
+      'pressure on the worst plane, tau = c + sigma tan(phi); flow along a smooth potential. MOHR COULOMB HARDENING gives c.', &
+      parent='MATERIAL', data='friction angle phi, dilation angle psi, in degrees, temperature')
+    call table%option('ECCENTRICITY', VALUE_REAL, 'Rounding of the potential near the hydrostatic axis, over the first ' // &
+      'cohesion.', default='0.1')
+    call table%option('DEVIATORIC ECCENTRICITY', VALUE_REAL, 'Size of the potential in triaxial extension over compression.', &
+      default='(3 - sin phi)/(3 + sin phi)')
+    call describe_field_variables(table)
+    call table%card('MOHR COULOMB HARDENING', SCOPE_MODEL, 'Cohesion of MOHR COULOMB over the equivalent plastic strain: ' // &
+      'plastic work over cohesion.', parent='MATERIAL', data='cohesion, equivalent plastic strain (the first 0), temperature')
     call describe_field_variables(table)
   end subroutine describe_cone
 

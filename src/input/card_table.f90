@@ -800,10 +800,10 @@ contains
       'COMPRESSION|NO TENSION|FAIL STRAIN|FAIL STRESS|SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
       'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
       'VISCOUS|UNIAXIAL TEST DATA|BIAXIAL TEST DATA|PLANAR TEST DATA|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
-      'Give the material with *ELASTIC, *PLASTIC, *DRUCKER PRAGER, *CREEP, *HYPERELASTIC or *HYPERFOAM, or by a routine UMAT ' // &
-      '(*USER MATERIAL).')
-    call table%cards_with(ENTRY_REJECTED, 'MOHR COULOMB|MOHR COULOMB HARDENING', 'Give the law by a routine UMAT (*USER ' // &
-      'MATERIAL), whose DDSDDE need not be symmetric.')
+      'Give the material with *ELASTIC, *PLASTIC, *DRUCKER PRAGER, *MOHR COULOMB, *CREEP, *HYPERELASTIC or *HYPERFOAM, or by ' // &
+      'a routine UMAT (*USER MATERIAL).')
+    call table%cards_with(ENTRY_REJECTED, 'TENSION CUTOFF', 'Give the law by a routine UMAT (*USER MATERIAL), whose DDSDDE ' // &
+      'need not be symmetric.')
     call table%cards_with(ENTRY_REJECTED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &
       'routine UMAT (*USER MATERIAL), which receives the length of the increment.')
     call table%cards_with(ENTRY_REJECTED, 'USER SECTION', &

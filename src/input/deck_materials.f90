@@ -9,6 +9,7 @@ module amontons_deck_materials
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
+    CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
     CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
@@ -88,6 +89,10 @@ contains
       call read_cone(reader, c, material)
     case ('DRUCKERPRAGERHARDENING')
       call read_cone_hardening(reader, c, material)
+    case ('MOHRCOULOMB')
+      call read_pyramid(reader, c, material)
+    case ('MOHRCOULOMBHARDENING')
+      call read_pyramid_hardening(reader, c, material)
     case ('DEFORMATIONPLASTICITY')
       call read_deformation(reader, c, material)
     case ('CREEP')
@@ -337,7 +342,8 @@ contains
           material%is_linear_isotropic = .false.
         end if
         material%is_unsymmetric = material%is_user
-        if (allocated(material%cone%value)) material%is_unsymmetric = any(material%cone%value(1, :) > material%cone%value(2, :))
+        if (allocated(material%cone%value)) material%is_unsymmetric = material%yield_surface == YIELD_MOHR_COULOMB .or. &
+          any(material%cone%value(1, :) > material%cone%value(2, :))
       end associate
     end do
   end subroutine finalize_materials
@@ -538,24 +544,98 @@ contains
     type(material_type), intent(inout) :: material
     type(property_table_type) :: table
     real(DP), parameter :: MAX_FRICTION = 71.5_DP  ! of compression: tan(beta) < 3 [degree]
+    real(DP), parameter :: MIN_RATIO = 0.778_DP    ! as in Abaqus; the least is 7/9 [-]
     real(DP), parameter :: DEGREE = PI / 180
     logical :: is_ok
     integer :: line
     line = reader%cards%cards(c)%line
+    call refuse_second_cone(reader, line, material)
     call read_table(reader, c, 3, table, is_ok)
     if (.not. is_ok) return
     if (any(table%value(1, :) < 0) .or. any(table%value(1, :) > MAX_FRICTION)) call report_error(reader, line, &
       'The friction angle must be from 0 to ' // to_text(MAX_FRICTION) // ' degrees, in the plane of pressure and ' // &
       'von Mises stress.')
-    if (any(abs(table%value(2, :)) > 0 .and. abs(table%value(2, :) - 1) > 0)) call report_error(reader, line, &
-      'K, the ratio of the yield stresses in triaxial tension and compression, must be 1 (or 0 or blank, which mean 1): the ' // &
-      'cone is round here. Give a cone that is not by a routine UMAT (*USER MATERIAL).')
+    where (.not. abs(table%value(2, :)) > 0) table%value(2, :) = 1
+    if (any(table%value(2, :) < MIN_RATIO) .or. any(table%value(2, :) > 1)) call report_error(reader, line, &
+      'K, the ratio of the yield stresses in triaxial tension and compression, must be from ' // to_text(MIN_RATIO) // &
+      ' to 1 (0 or blank mean 1): a yield surface of less is not convex.')
+    if (any(table%value(2, :) < 1)) material%yield_surface = YIELD_RATIO
     if (any(table%value(3, :) < 0) .or. any(table%value(3, :) > table%value(1, :))) call report_error(reader, line, &
       'The dilation angle must be from 0 to the friction angle: with more the plastic flow would give energy away.')
     material%cone%temperature = table%temperature
     material%cone%variable = table%variable
-    material%cone%value = DEGREE * table%value([1, 3], :)
+    material%cone%value = table%value([1, 3, 2], :)
+    material%cone%value(:2, :) = DEGREE * material%cone%value(:2, :)
   end subroutine read_cone
+
+
+  !> Reports a second card of a yield surface.
+  subroutine refuse_second_cone(reader, line, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line
+    type(material_type), intent(in) :: material
+    if (allocated(material%cone%value)) call report_error(reader, line, 'The material ''' // material%name // &
+      ''' has a *DRUCKER PRAGER or *MOHR COULOMB before this card; give one law of yield.')
+  end subroutine refuse_second_cone
+
+
+  !> MOHR COULOMB: friction and dilation angle in degrees.
+  subroutine read_pyramid(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(property_table_type) :: table
+    real(DP), parameter :: MAX_FRICTION = 85.0_DP  ! [degree]
+    real(DP), parameter :: DEGREE = PI / 180
+    real(DP) :: meridional, deviatoric             ! eccentricities [-]
+    logical :: is_ok
+    integer :: line, status
+    line = reader%cards%cards(c)%line
+    call open_card(reader, c, parameters, row)
+    meridional = 0.1_DP
+    deviatoric = 0
+    if (has_parameter(parameters, 'ECCENTRICITY')) call parse_real(parameter_text(parameters, 'ECCENTRICITY'), meridional, status)
+    if (has_parameter(parameters, 'DEVIATORIC ECCENTRICITY')) then
+      call parse_real(parameter_text(parameters, 'DEVIATORIC ECCENTRICITY'), deviatoric, status)
+      if (.not. (deviatoric > 0.5_DP .and. deviatoric <= 1)) call report_error(reader, line, &
+        'DEVIATORIC ECCENTRICITY must be above 0.5 and at most 1: with less the flow potential is not convex.')
+    end if
+    if (meridional < 0) call report_error(reader, line, 'ECCENTRICITY must not be negative.')
+    call refuse_second_cone(reader, line, material)
+    material%yield_surface = YIELD_MOHR_COULOMB
+    call read_table(reader, c, 2, table, is_ok)
+    if (.not. is_ok) return
+    if (any(table%value(1, :) < 0) .or. any(table%value(1, :) > MAX_FRICTION)) call report_error(reader, line, &
+      'The friction angle must be from 0 to ' // to_text(MAX_FRICTION) // ' degrees.')
+    if (any(table%value(2, :) < 0) .or. any(table%value(2, :) > table%value(1, :))) call report_error(reader, line, &
+      'The dilation angle must be from 0 to the friction angle: with more the plastic flow would give energy away.')
+    material%cone%temperature = table%temperature
+    material%cone%variable = table%variable
+    allocate (material%cone%value(4, size(table%value, 2)))
+    material%cone%value(:2, :) = DEGREE * table%value
+    material%cone%value(3, :) = deviatoric
+    if (.not. deviatoric > 0) &
+      material%cone%value(3, :) = (3 - sin(DEGREE * table%value(1, :))) / (3 + sin(DEGREE * table%value(1, :)))
+    material%cone%value(4, :) = meridional
+  end subroutine read_pyramid
+
+
+  !> MOHR COULOMB HARDENING.
+  subroutine read_pyramid_hardening(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(material_type), intent(inout) :: material
+    integer :: i
+    material%has_cone_hardening = .true.
+    material%cone_hardening = CONE_COHESION
+    call read_curves(reader, c, material%isotropic_hardening)
+    do i = 1, size(material%isotropic_hardening)
+      if (any(material%isotropic_hardening(i)%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, &
+        'The cohesion must be positive; give a soil without cohesion a small one.')
+    end do
+  end subroutine read_pyramid_hardening
 
 
   !> DRUCKER PRAGER HARDENING.
@@ -584,16 +664,21 @@ contains
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: line                  !< of the MATERIAL card
     type(material_type), intent(in) :: material
-    character(:), allocatable :: who
+    character(:), allocatable :: who, law
     who = 'The material ''' // material%name // ''' '
+    law = '*DRUCKER PRAGER'
+    if (material%yield_surface == YIELD_MOHR_COULOMB) law = '*MOHR COULOMB'
     if (allocated(material%cone%value) .neqv. material%has_cone_hardening) call report_error(reader, line, who // &
-      'needs both *DRUCKER PRAGER (the angles) and *DRUCKER PRAGER HARDENING (the yield stress), each once.')
+      'needs both *DRUCKER PRAGER or *MOHR COULOMB (the angles) and its HARDENING (the yield stress), each once.')
     if (material%has_plastic .and. (allocated(material%cone%value) .or. material%has_cone_hardening)) call report_error(reader, &
-      line, who // 'has *PLASTIC or *CYCLIC HARDENING beside *DRUCKER PRAGER; give one law of yield.')
+      line, who // 'has *PLASTIC or *CYCLIC HARDENING beside ' // law // '; give one law of yield.')
     if (.not. allocated(material%cone%value)) return
+    if (material%has_cone_hardening .and. (material%yield_surface == YIELD_MOHR_COULOMB .neqv. material%cone_hardening == &
+      CONE_COHESION)) call report_error(reader, line, who // 'has ' // law // ' with the HARDENING of another law; give ' // &
+      'that of the same law.')
     if (material%elastic_kind /= ELASTIC_ISOTROPIC) call report_error(reader, line, who // &
-      'has *DRUCKER PRAGER with an elasticity that is not isotropic, which is not supported; give E and nu.')
-    if (material%creep_law /= CREEP_NONE) call report_error(reader, line, who // 'has *DRUCKER PRAGER with *CREEP, which is ' // &
+      'has ' // law // ' with an elasticity that is not isotropic, which is not supported; give E and nu.')
+    if (material%creep_law /= CREEP_NONE) call report_error(reader, line, who // 'has ' // law // ' with *CREEP, which is ' // &
       'not supported; give one of them.')
   end subroutine check_cone
 

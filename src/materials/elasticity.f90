@@ -8,13 +8,13 @@ module amontons_elasticity
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT, ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
-    pack_voigt, push_forward
+    invert, pack_voigt, push_forward, unpack_voigt
   use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
     tensor_from_principal, coth_divided_difference, NEXT_AXIS
   implicit none
   private
   public :: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, check_gradient
-  public :: small_strain_modulus, hooke_stress, isotropic_tangent, green_strain
+  public :: small_strain_modulus, hooke_stress, isotropic_tangent, green_strain, green_strain_of_stretch, almansi_strain
   public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, MAX_DISPLACEMENT_GRADIENT
 
   integer, parameter :: STRESS_OK = 0              !< all is well
@@ -229,5 +229,24 @@ contains
       c(i + 3, i + 3) = G
     end do
   end function isotropic_tangent
+
+
+  !> Green's strain of the stretch 1 + e.
+  pure function green_strain_of_stretch(e) result(strain)
+    real(DP), intent(in) :: e(6)                   !< tensor components [-]
+    real(DP) :: strain(6)
+    strain = 0
+    if (any(abs(e) > 0)) strain = green_strain(unpack_voigt(e))
+  end function green_strain_of_stretch
+
+
+  !> (1 - inv(b))/2 = -(h + h' + h'h)/2 with h = inv(F) - 1 = -inv(F) H, without loss of digits at small strain.
+  pure function almansi_strain(H) result(strain)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
+    real(DP) :: strain(6)
+    real(DP) :: inverse(3, 3), det
+    call invert(IDENTITY + H, inverse, det)
+    strain = -green_strain(-matmul(inverse, H))
+  end function almansi_strain
 
 end module amontons_elasticity

@@ -17,6 +17,7 @@ module amontons_logarithmic_strain
   implicit none
   private
   public :: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, tensor_log, tensor_exp
+  public :: find_small_principal_strains, small_principal_tangent
   public :: principal_strains_type, find_principal_strains, left_cauchy_green, tensor_from_principal, principal_tangent, &
     coth_divided_difference
   public :: log1p, expm1, NEXT_AXIS
@@ -284,11 +285,29 @@ contains
     type(principal_strains_type), intent(out) :: principal
     logical, intent(out) :: is_positive            !< .false.: b is not positive definite, the rest is not set
     real(DP) :: n(3, 3)
-    integer :: k, i, j
     call symmetric_eigen(x, principal%x, n)
     is_positive = minval(principal%x) > -1
     if (.not. is_positive) return
     principal%e = 0.5_DP * log1p(principal%x)
+    call set_dyads(n, principal)
+  end subroutine find_principal_strains
+
+
+  !> Small principal strains with their dyads.
+  pure subroutine find_small_principal_strains(strain, principal)
+    real(DP), intent(in) :: strain(6)              !< tensor components [-]
+    type(principal_strains_type), intent(out) :: principal   !< x is not set
+    real(DP) :: n(3, 3)
+    call symmetric_eigen(strain, principal%e, n)
+    call set_dyads(n, principal)
+  end subroutine find_small_principal_strains
+
+
+  !> The dyads of principal axes.
+  pure subroutine set_dyads(n, principal)
+    real(DP), intent(in) :: n(3, 3)                !< unit vectors in columns
+    type(principal_strains_type), intent(inout) :: principal
+    integer :: k, i, j
     do k = 1, 6
       i = VOIGT_ROW(k)
       j = VOIGT_COLUMN(k)
@@ -297,7 +316,7 @@ contains
       principal%s(k, 2) = n(i, 2) * n(j, 3) + n(i, 3) * n(j, 2)
       principal%s(k, 3) = n(i, 3) * n(j, 1) + n(i, 1) * n(j, 3)
     end do
-  end subroutine find_principal_strains
+  end subroutine set_dyads
 
 
   !> The tensor with given principal values.
@@ -339,6 +358,22 @@ contains
       end do
     end associate
   end function principal_tangent
+
+
+  !> The tangent of principal stresses over small principal strains.
+  pure function small_principal_tangent(principal, slope, secant) result(c)
+    type(principal_strains_type), intent(in) :: principal
+    real(DP), intent(in) :: slope(3, 3)            !< d tau_A/d e_B [stress]
+    real(DP), intent(in) :: secant(3)              !< S_AB of the pairs [stress]
+    real(DP) :: c(6, 6)                            !< engineering shears [stress]
+    integer :: A, j
+    c = matmul(principal%m, matmul(slope, transpose(principal%m)))
+    do A = 1, 3
+      do j = 1, 6
+        c(:, j) = c(:, j) + 0.5_DP * secant(A) * principal%s(j, A) * principal%s(:, A)
+      end do
+    end do
+  end function small_principal_tangent
 
 
   !> d coth(d) of a pair of axes.

@@ -18,18 +18,19 @@ module amontons_material_point
   use amontons_kinds, only: DP
   use amontons_hyperelasticity, only: principal_response_type, evaluate_rubber, evaluate_foam
   use amontons_logarithmic_strain, only: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, &
-    tensor_log, tensor_exp, &
+    tensor_log, tensor_exp, find_small_principal_strains, small_principal_tangent, &
     principal_strains_type, find_principal_strains, left_cauchy_green, tensor_from_principal, principal_tangent, expm1, log1p, &
     coth_divided_difference, NEXT_AXIS
   use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
-    HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL
+    HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL, YIELD_ROUND
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
     is_inelastic, &
     evaluate_ramberg_osgood, RETURN_OK
   use amontons_drucker_prager, only: map_cone_return
-  use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, check_gradient, STRESS_OK, STRESS_INVERTED, &
-    STRESS_NOT_FINITE
+  use amontons_lode_angle_return, only: principal_return_type, map_principal_return
+  use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, green_strain_of_stretch, almansi_strain, &
+    check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
     pack_voigt, push_forward, unpack_voigt, von_mises
   use amontons_user_material, only: umat_point_type, evaluate_umat
@@ -193,15 +194,6 @@ contains
   end subroutine evaluate_moduli
 
 
-  !> Green's strain of the stretch 1 + e.
-  pure function green_strain_of_stretch(e) result(strain)
-    real(DP), intent(in) :: e(6)                   !< tensor components [-]
-    real(DP) :: strain(6)
-    strain = 0
-    if (any(abs(e) > 0)) strain = green_strain(unpack_voigt(e))
-  end function green_strain_of_stretch
-
-
   !> Principal stresses of rubber or foam.
   pure subroutine evaluate_hyperelastic(material, constants, e, response)
     type(material_type), intent(in) :: material
@@ -299,7 +291,11 @@ contains
     else if (moduli%is_isotropic) then
       point%stress = hooke_stress(moduli%lambda, moduli%G, elastic)
       point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
-      if (is_inelastic(material)) call return_to_yield_surface(material, moduli, point, status)
+      if (material%yield_surface /= YIELD_ROUND) then
+        call return_along_axes(material, moduli, elastic, point, status)
+      else if (is_inelastic(material)) then
+        call return_to_yield_surface(material, moduli, point, status)
+      end if
       elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
       point%energy = 0.5_DP * double_dot(point%stress, elastic)
     else
@@ -347,6 +343,28 @@ contains
       history(HISTORY_BACK:HISTORY_BACK + 5) = history(HISTORY_BACK:HISTORY_BACK + 5) + (SQRT_2_3 * response%back_increment) * N
     end associate
   end subroutine return_to_yield_surface
+
+
+  !> Return mapping at small strain in the principal axes of the elastic trial strain.
+  pure subroutine return_along_axes(material, moduli, elastic, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: elastic(6)             !< trial strain [-]
+    type(material_point_type), intent(inout) :: point       !< in: trial stress, elastic tangent
+    integer, intent(out) :: status                 !< STRESS_...
+    type(principal_strains_type) :: principal
+    type(principal_response_type) :: response
+    real(DP) :: flow(3)
+    call find_small_principal_strains(elastic, principal)
+    call evaluate_hencky(moduli, principal%e, response)
+    call return_principal_stresses(material, moduli, principal%e, point, response, flow, status)
+    if (status /= STRESS_OK .or. .not. any(abs(flow) > 0)) return
+    point%stress = tensor_from_principal(principal, response%tau)
+    point%tangent = small_principal_tangent(principal, response%slope, response%secant)
+    associate (inelastic => point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
+      inelastic = inelastic + tensor_from_principal(principal, flow)
+    end associate
+  end subroutine return_along_axes
 
 
   !> The return mapping of the material: von Mises's cylinder, or the cone of Drucker and Prager.
@@ -489,16 +507,6 @@ contains
   end subroutine evaluate_almansi_law
 
 
-  !> (1 - inv(b))/2 = -(h + h' + h'h)/2 with h = inv(F) - 1 = -inv(F) H, without loss of digits at small strain.
-  pure function almansi_strain(H) result(strain)
-    real(DP), intent(in) :: H(3, 3)                !< displacement gradient [-]
-    real(DP) :: strain(6)
-    real(DP) :: inverse(3, 3), det
-    call invert(IDENTITY + H, inverse, det)
-    strain = -green_strain(-matmul(inverse, H))
-  end function almansi_strain
-
-
   !> A law of six strain components in ln(C)/2 and its conjugate stress, pushed forward to the current configuration.
   pure subroutine evaluate_log_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
@@ -589,10 +597,14 @@ contains
     real(DP) :: N(3), p, q, bulk
     integer :: A
     flow = 0
+    bulk = moduli%lambda + 2 * moduli%G / 3
+    if (material%yield_surface /= YIELD_ROUND) then
+      call return_by_lode_angle(material, [moduli%G, bulk], e, point, response, flow, status)
+      return
+    end if
     p = -sum(response%tau) / 3
     N = response%tau + p
     q = SQRT_3_2 * norm2(N)
-    bulk = moduli%lambda + 2 * moduli%G / 3
     call map_return(material, moduli, [q, p], point, back, status)
     if (status /= STRESS_OK .or. .not. back%plastic + back%creep > 0) return
     if (q > 0) N = N / (SQRT_2_3 * q)
@@ -608,6 +620,27 @@ contains
     point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + back%plastic
     point%history(HISTORY_CEEQ) = point%history_old(HISTORY_CEEQ) + back%creep
   end subroutine return_principal_stresses
+
+
+  !> The same for laws of the pressure and the Lode angle.
+  pure subroutine return_by_lode_angle(material, moduli, e, point, response, flow, status)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: moduli(2)              !< shear and bulk modulus [stress]
+    real(DP), intent(in) :: e(3)                   !< elastic trial strains [-]
+    type(material_point_type), intent(inout) :: point       !< out: equivalent plastic strain
+    type(principal_response_type), intent(inout) :: response      !< in: of the trial strains
+    real(DP), intent(inout) :: flow(3)             !< plastic strains of the increment [-]
+    integer, intent(out) :: status                 !< STRESS_...
+    type(principal_return_type) :: back
+    integer :: return_status
+    call map_principal_return(material, moduli, response%tau, table_argument(material, point), point%history_old(HISTORY_PEEQ), &
+      back, return_status)
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
+    if (status /= STRESS_OK .or. .not. any(abs(back%flow) > 0)) return
+    flow = back%flow
+    response = principal_response_type(back%tau, back%slope, back%secant, 0.5_DP * dot_product(back%tau, e - flow))
+    point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + back%plastic
+  end subroutine return_by_lode_angle
 
 
   !> The inelastic strain after plastic flow: exp(-2 E) = F^-1 b F^-T with b the elastic one after it.

@@ -11,7 +11,7 @@ module amontons_materials
   public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
-  public :: CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR
+  public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
   public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE, USER_FIELD, USER_VERDICT
@@ -33,7 +33,11 @@ module amontons_materials
   integer, parameter :: MAX_HYPER_ORDER = 6
   integer, parameter :: MAX_CONSTANTS = 33      !< most constants of an elastic law: polynomial of order 6
 
+  integer, parameter :: YIELD_ROUND = 1         !< von Mises's cylinder, or a round cone of Drucker and Prager
+  integer, parameter :: YIELD_RATIO = 2         !< a cone of Drucker and Prager with K below 1
+  integer, parameter :: YIELD_MOHR_COULOMB = 3  !< Mohr and Coulomb's pyramid
   integer, parameter :: CONE_COMPRESSION = 1, CONE_TENSION = 2, CONE_SHEAR = 3   !< test that gave the hardening curve of a cone
+  integer, parameter :: CONE_COHESION = 4       !< the curve gives the cohesion of Mohr and Coulomb
 
   integer, parameter :: CREEP_NONE = 0
   integer, parameter :: CREEP_TIME_HARDENING = 1     !< rate = A q^n t^m
@@ -121,7 +125,8 @@ module amontons_materials
     real(DP) :: expansion_reference = 0              !< ZERO [temperature]
     type(hardening_curve_type), allocatable :: isotropic_hardening(:)   !< size of the yield surface, ascending temperatures
     type(hardening_curve_type), allocatable :: kinematic_hardening(:)   !< yield stress of monotonic tension of kinematic hardening
-    type(property_table_type) :: cone           !< of Drucker and Prager: friction and dilation angle; unallocated: von Mises [rad]
+    integer :: yield_surface = YIELD_ROUND      !< YIELD_...
+    type(property_table_type) :: cone           !< friction and dilation angle [rad], then K, or e and eps; unallocated: von Mises
     logical :: has_cone_hardening = .false., has_plastic = .false.   !< which cards gave isotropic_hardening
     integer :: cone_hardening = CONE_COMPRESSION   !< the test of isotropic_hardening
     logical :: is_unsymmetric = .false.         !< its tangent may be: UMAT, a cone with flow that is not associated
@@ -238,8 +243,15 @@ contains
       if (material%hyper_kind == HYPER_OGDEN) words = 'hyperelastic, Ogden'
       if (material%hyper_kind == HYPER_ARRUDA_BOYCE) words = 'hyperelastic, Arruda-Boyce'
     end select
-    if (allocated(material%isotropic_hardening)) words = trim(words) // merge(', Drucker-Prager', ', plastic       ', &
-      allocated(material%cone%value))
+    if (allocated(material%isotropic_hardening)) then
+      if (.not. allocated(material%cone%value)) then
+        words = trim(words) // ', plastic'
+      else if (material%yield_surface == YIELD_MOHR_COULOMB) then
+        words = trim(words) // ', Mohr-Coulomb'
+      else
+        words = trim(words) // ', Drucker-Prager'
+      end if
+    end if
     if (allocated(material%kinematic_hardening)) words = trim(words) // ', kinematic hardening'
     if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
   end function law_name

@@ -42,6 +42,7 @@ UNITS = {
     "ELASTIC": {"ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "LAMINA": "SS1SSS1", "": "S1"},
     "HYPERELASTIC": RUBBER, "HYPERFOAM": {**{f",N={n}": n * "S1" + n * "1" + "1" for n in range(1, 7)}, "": "S111"},
     "DENSITY": "R1", "PLASTIC": "S1", "CHANGE PLASTIC": "S1", "DRUCKER PRAGER": "1", "DRUCKER PRAGER HARDENING": "S1",
+    "MOHR COULOMB": "1", "MOHR COULOMB HARDENING": "S1",
     "CYCLIC HARDENING": "S1", "DEFORMATION PLASTICITY": "S1S1", "CREEP": "C1",
     "SHELL SECTION": "L1", "MEMBRANE SECTION": "L", "BEAM SECTION": {r"\|-?[0-9.]+,-?[0-9.]+,": "1", "": "L"}, "NODAL THICKNESS": "1L", "NORMAL": "1",
     "SOLID SECTION": {"@": "A", "": "L"}, "MASS": "Q", "GAP": "L1111QF", "SPRING": {"NONLINEAR": "FL1Q", "": "Q1"},

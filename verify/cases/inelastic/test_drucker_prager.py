@@ -29,10 +29,10 @@ ROUNDING = 1e-8  #: of a converged increment with a uniform state
 CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
 
 
-def soil(kind: str, beta: float = BETA, psi: float = PSI) -> str:
+def soil(kind: str, beta: float = BETA, psi: float = PSI, ratio: float = 1.0) -> str:
     """The material cards."""
     return (
-        f"*MATERIAL, NAME=SOIL\n*ELASTIC\n{YOUNG}, {NU}\n*DRUCKER PRAGER\n{beta:.15g}, 1., {psi:.15g}\n*DRUCKER PRAGER HARDENING, TYPE={kind}\n"
+        f"*MATERIAL, NAME=SOIL\n*ELASTIC\n{YOUNG}, {NU}\n*DRUCKER PRAGER\n{beta:.15g}, {ratio}, {psi:.15g}\n*DRUCKER PRAGER HARDENING, TYPE={kind}\n"
         f"{FIRST}, 0.\n{FIRST + SLOPE}, 1.\n"
     )
 
@@ -94,6 +94,32 @@ def test_uniaxial(run_deck: Run, tmp_path: Path, kind: str, sign: int, option: s
     m = (strain - first / YOUNG) / (1 + sign * TP / 3 + slope / YOUNG)
     s = sign * (first + slope * m)
     lateral = -NU * s / YOUNG + m * (TP / 3 - sign / 2)
+    volume = 2 * lateral + sign * strain
+    u, found = stresses(tmp_path)
+    assert found[2] == pytest.approx(s / (np.exp(volume) if option else 1.0), rel=ROUNDING)
+    assert np.abs(found[[0, 1, 3, 4, 5]]).max() <= 1e-6 * abs(s)
+    assert u[6, 0] == pytest.approx(np.expm1(lateral) if option else lateral, rel=1e-7)
+
+
+@pytest.mark.parametrize("kind", TYPES)
+@pytest.mark.parametrize("sign", [-1, 1])
+@pytest.mark.parametrize("option", ["", ", NLGEOM"])
+def test_uniaxial_with_ratio(run_deck: Run, tmp_path: Path, kind: str, sign: int, option: str) -> None:
+    """K = 0.8: t is the stress in compression and the stress over K in tension.
+
+    s (1/K + tan(beta)/3) = d in tension, axial plastic strain m (1/K + tan(psi)/3), lateral m (tan(psi)/3 - 1/(2 K)); d is
+    (1/K + tan(beta)/3) and sqrt(3)/2 (1 + 1/K) times the stress of tension and shear, and the plastic strain likewise.
+    """
+    ratio, strain = 0.8, 0.05
+    size = 1 / ratio if sign > 0 else 1.0
+    scale = {"COMPRESSION": (1 - TB / 3, 1 - TP / 3), "TENSION": (1 / ratio + TB / 3, 1 / ratio + TP / 3)}
+    factor, growth = scale.get(kind, (np.sqrt(3) / 2 * (1 + 1 / ratio), np.sqrt(3) / 2 * (1 + 1 / ratio)))
+    stretch = np.exp(sign * strain) - 1 if option else sign * strain
+    finish(run_deck, cube(soil(kind, ratio=ratio), SYMMETRY + f"Z1, 3, 3, {stretch:.17g}\n", option))
+    first, slope = factor * np.array([FIRST, SLOPE * growth]) / (size + sign * TB / 3)
+    m = (strain - first / YOUNG) / (size + sign * TP / 3 + slope / YOUNG)
+    s = sign * (first + slope * m)
+    lateral = -NU * s / YOUNG + m * (TP / 3 - sign * size / 2)
     volume = 2 * lateral + sign * strain
     u, found = stresses(tmp_path)
     assert found[2] == pytest.approx(s / (np.exp(volume) if option else 1.0), rel=ROUNDING)
@@ -273,7 +299,7 @@ START = "*MATERIAL, NAME=SOIL\n*ELASTIC\n1000., .3\n"
         (START + ANGLES, "needs both"),
         (START + HARDENING, "needs both"),
         (START + "*DRUCKER PRAGER\n80., 1., 10.\n" + HARDENING, "friction angle must be from 0 to 71.5"),
-        (START + "*DRUCKER PRAGER\n30., 0.8, 10.\n" + HARDENING, "K, the ratio"),
+        (START + "*DRUCKER PRAGER\n30., 0.77, 10.\n" + HARDENING, "K, the ratio"),
         (START + "*DRUCKER PRAGER\n30., 1., 40.\n" + HARDENING, "dilation angle must be"),
         (START + "*DRUCKER PRAGER, SHEAR CRITERION=HYPERBOLIC\n30., 1., 10.\n" + HARDENING, "HYPERBOLIC"),
         (START + ANGLES + "*DRUCKER PRAGER HARDENING, TYPE=COHESION\n10., 0.\n", "COMPRESSION"),
