@@ -141,15 +141,21 @@ contains
   end subroutine join_contributions
 
 
-  !> The pattern of rows and columns that may occur several times.
+  !> The pattern of rows and columns that may occur several times. A row whose contributions follow one another with ascending
+  !! columns, as nearly all do, is taken as it stands; the others are gathered and sorted.
   pure subroutine find_pattern(n, row, column, matrix, target)
     integer, intent(in) :: n                       !< unknowns
     integer, intent(in) :: row(:), column(:)
     type(sparse_type), intent(out) :: matrix       !< columns ascending
     integer, allocatable, intent(out) :: target(:) !< entry of the matrix for each of them
-    integer, allocatable :: first(:), members(:)
+    integer, allocatable :: first(:), members(:), group(:)
+    integer :: run_first(n), run_length(n)         ! the contributions of a row as it stands; length -1: scattered
     integer :: position(n), i, k, m
-    call list_groups(row, n, first, members)
+    call find_runs(row, column, run_first, run_length)
+    allocate (group(size(row)), source=0)
+    where (run_length(row) < 0) group = row
+    call list_groups(group, n, first, members)
+    deallocate (group)
     matrix%n_rows = n
     matrix%n_columns = n
     allocate (matrix%first(n + 1), matrix%column(size(row)), target(size(row)))
@@ -157,6 +163,12 @@ contains
     m = 0
     do i = 1, n
       matrix%first(i) = m + 1
+      do k = run_first(i), run_first(i) + run_length(i) - 1
+        m = m + 1
+        matrix%column(m) = column(k)
+        target(k) = m
+      end do
+      if (run_length(i) >= 0) cycle
       do k = first(i), first(i + 1) - 1
         associate (j => column(members(k)))
           if (position(j) > 0) cycle
@@ -175,6 +187,31 @@ contains
     matrix%first(n + 1) = m + 1
     matrix%column = matrix%column(:m)
   end subroutine find_pattern
+
+
+  !> The contributions of each row, where they follow one another with ascending columns.
+  pure subroutine find_runs(row, column, first, length)
+    integer, intent(in) :: row(:), column(:)
+    integer, intent(out) :: first(:)               !< (n) first contribution of each row
+    integer, intent(out) :: length(:)              !< (n) their number; -1: they are scattered or do not ascend
+    integer :: k
+    first = 1
+    length = 0
+    do k = 1, size(row)
+      associate (i => row(k))
+        if (length(i) == 0) then
+          first(i) = k
+          length(i) = 1
+        else if (length(i) > 0) then
+          if (first(i) + length(i) == k .and. column(first(i) + length(i) - 1) < column(k)) then
+            length(i) = length(i) + 1
+          else
+            length(i) = -1
+          end if
+        end if
+      end associate
+    end do
+  end subroutine find_runs
 
 
   !> The values of the domain's matrix; all ranks call it.

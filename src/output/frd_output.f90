@@ -15,11 +15,10 @@ module amontons_frd_output
   use amontons_dense, only: least_squares
   use amontons_errors, only: error_type, set_error, EXIT_IO
   use amontons_posix, only: truncate_file, sync_file
-  use amontons_text, only: format_value_rows, to_text
+  use amontons_text, only: format_value_rows, place_integer, to_text
   use amontons_containers, only: sort_integers
-  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FACET_LINE2, FACET_QUAD4, &
-    FACET_TRI3, &
-    FAMILY_MASS, FAMILY_RIGID, FAMILY_SOLID, MAX_FACE_NODES
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, N_KINDS, MAX_FACE_NODES, &
+    FACET_LINE2, FACET_QUAD4, FACET_TRI3, FAMILY_MASS, FAMILY_RIGID, FAMILY_SOLID
   use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes
   use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
@@ -235,32 +234,61 @@ contains
   end subroutine write_nodes
 
 
-  !> Block 3C: elements of two nodes or more.
+  !> Block 3C: elements of two nodes or more, many at a time.
   subroutine write_elements(frd, mesh)
     type(frd_type), intent(inout) :: frd
     type(mesh_type), intent(in) :: mesh
-    type(element_kind_type) :: entry
     character(120) :: line
-    integer :: e, k, n, i, shape
-    integer, allocatable :: labels(:), order(:)
-    n = count([(cgx_shape(element_kind(mesh%kind(e))) > 0, e=1, mesh%n_elements)])
-    write (line, '(a,18x,i12,37x,i1)') '    3C', n, 1
+    integer, parameter :: BUFFER = 1000000            ! characters
+    integer :: shape_of_kind(N_KINDS), e, i, k, n_used
+    integer, allocatable :: order(:), labels(:)
+    character(:), allocatable :: text
+    shape_of_kind = [(cgx_shape(element_kind(k)), k=1, N_KINDS)]
+    write (line, '(a,18x,i12,37x,i1)') '    3C', count(shape_of_kind(mesh%kind) > 0), 1
     call write_line(frd, line)
     order = places_by_number(mesh%element_label)
+    allocate (character(BUFFER) :: text)
+    n_used = 0
     do k = 1, size(order)
       e = order(k)
-      entry = element_kind(mesh%kind(e))
-      shape = cgx_shape(entry)
-      if (shape == 0) cycle
+      if (shape_of_kind(mesh%kind(e)) == 0) cycle
+      call start_line(' -1')
+      call put_number(mesh%element_label(e), 10)
+      call put_number(shape_of_kind(mesh%kind(e)), 5)
+      call put_number(0, 5)
+      call put_number(mesh%material(e), 5)
       labels = in_cgx_order(mesh%node_label(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))
-      write (line, '(a,i10,3i5)') ' -1', mesh%element_label(e), shape, 0, mesh%material(e)
-      call write_line(frd, line)
-      do i = 1, size(labels), 10
-        write (line, '(a,10i10)') ' -2', labels(i:min(i + 9, size(labels)))
-        call write_line(frd, line)
+      do i = 1, size(labels)
+        if (mod(i, 10) == 1) call start_line(' -2')
+        call put_number(labels(i), 10)
       end do
+      if (n_used < BUFFER - 1000 .and. k < size(order)) cycle
+      call write_line(frd, text(:n_used))
+      n_used = 0
     end do
+    if (n_used > 0) call write_line(frd, text(:n_used))
     call write_line(frd, ' -3')
+
+  contains
+
+    !> Begins a line of the buffer, which ends the one before.
+    subroutine start_line(mark)
+      character(3), intent(in) :: mark
+      if (n_used > 0) then
+        n_used = n_used + 1
+        text(n_used:n_used) = new_line('a')
+      end if
+      text(n_used + 1:n_used + 3) = mark
+      n_used = n_used + 3
+    end subroutine start_line
+
+    !> Appends a number to the line, at the right of its columns.
+    subroutine put_number(number, width)
+      integer, intent(in) :: number, width
+      call place_integer(number, text(n_used + 1:n_used + width))
+      n_used = n_used + width
+    end subroutine put_number
+
   end subroutine write_elements
 
 

@@ -4,7 +4,7 @@ program test_text
   use amontons_kinds, only: DP
   use amontons_containers, only: name_table_type, label_table_type, integer_list_type, sort_integers
   use amontons_text, only: upper_case, name_key, is_one_of, nth_word, count_words, to_text, joined_words, plural, parse_integer, &
-    parse_real, format_value_rows, NUMBER_OK, NUMBER_EMPTY, NUMBER_INVALID, NUMBER_NOT_FINITE
+    parse_real, format_value_rows, place_integer, NUMBER_OK, NUMBER_EMPTY, NUMBER_INVALID, NUMBER_NOT_FINITE
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -18,6 +18,7 @@ program test_text
   call test_sorting(suite)
   call test_rows(suite)
   call test_known_rows(suite)
+  call test_placed_integers(suite)
   call suite%finish()
 
 contains
@@ -280,5 +281,29 @@ contains
       ' -1         7 5.94808E-01-9.35742E-01 9.14894E-02 9.66236E-01')
     call suite%that('nothing', len(format_value_rows([integer ::], values(:, :0))) == 0)
   end subroutine test_known_rows
+
+
+  !> Integers in columns: the same characters as by edit descriptors, asterisks included.
+  subroutine test_placed_integers(suite)
+    type(suite_type), intent(inout) :: suite
+    integer, parameter :: WIDTHS(4) = [1, 5, 10, 12]
+    integer :: numbers(122), i, k, n_bad
+    character(12) :: written, placed
+    character(5) :: descriptor
+    numbers(:60) = [(2**(i / 2) - mod(i, 2), i=1, 60)]
+    numbers(61:120) = -numbers(:60)
+    numbers(121) = huge(i)
+    numbers(122) = -numbers(121) - 1
+    n_bad = 0
+    do k = 1, size(WIDTHS)
+      write (descriptor, '(a,i0,a)') '(i', WIDTHS(k), ')'
+      do i = 1, size(numbers)
+        write (written, descriptor) numbers(i)
+        call place_integer(numbers(i), placed(:WIDTHS(k)))
+        if (placed(:WIDTHS(k)) /= written(:WIDTHS(k))) n_bad = n_bad + 1
+      end do
+    end do
+    call suite%that('placed integers', n_bad == 0)
+  end subroutine test_placed_integers
 
 end program test_text
