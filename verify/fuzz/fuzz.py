@@ -38,7 +38,7 @@ MEMORY = 3 << 30  # [bytes] of one job
 MAX_FILE = 200 << 20  # [bytes] of one result file
 ENDS = {0, 2, 3, 4, 5, 6, 7}  # exit codes that are not a finding
 #: Fields whose sums of forces need not vanish: constraints and springs to the ground take some; r has no sum around an axis.
-UNBALANCED = re.compile(r"^\*(EQUATION|MPC|SPRING|COUPLING|RIGIDBODY|TIE|PRE-TENSION|KINEMATIC|DISTRIBUTING|MODELCHANGE)|TYPE=CAX", re.M)
+UNBALANCED = re.compile(r"^\*(EQUATION|MPC|SPRING|COUPLING|RIGIDBODY|TIE|PRE-TENSION|KINEMATIC|DISTRIBUTING|MODELCHANGE)|TYPE=[CSM]AX", re.M)
 NUMBERS = ["0", "0.", "-1", "1", "1e-30", "1e30", "1e308", "-1e308", "1e999", "NaN", "-nan", "Infinity", "1.5d3", "2147483648", "99999999999",
            "-2147483649", "0x10", "1e", "1.2.3", "", " ", "+", "-", "1,2", "1e-320", "0.5", "3", "*", "ALL"]  # fmt: skip
 
