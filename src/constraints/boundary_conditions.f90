@@ -10,7 +10,7 @@ module amontons_boundary_conditions
   use amontons_user_state, only: evaluate_disp
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
     eliminate_constraints, ROW_CONFLICT
-  use amontons_nonlinear_mpc, only: add_nonlinear_mpcs, fix_unconnected_unknowns, TAG_PRESCRIBED
+  use amontons_nonlinear_mpc, only: add_nonlinear_mpcs, fix_unconnected_unknowns, TAG_SUPPORT
   implicit none
   private
   public :: build_base_constraints, support_powers
@@ -74,7 +74,7 @@ contains
           row%unknown = 3 * (load%node - 1) + [1, 2, 3]
           row%coefficient = direction
           row%rhs = residual
-          row%tag = TAG_PRESCRIBED
+          row%tag = TAG_SUPPORT
           call add_constraint_row(base, row, 3, tolerance, row_status)
           if (row_status == ROW_CONFLICT) call set_error(error, EXIT_SETUP, &
             'Boundary conditions of one node in different directions contradict each other.')
@@ -170,6 +170,7 @@ contains
         row%unknown = 3 * (equation%node - 1) + equation%dof
         row%coefficient = equation%coefficient
         row%rhs = -sum([(equation%coefficient(k) * u(equation%dof(k), equation%node(k)), k=1, size(equation%node))])
+        row%tag = merge(TAG_SUPPORT, 0, equation%is_balancing)
         call add_constraint_row(base, row, equation%n_eliminable, tolerance, row_status)
         if (row_status == ROW_CONFLICT) then
           write (line, '(i0)') equation%line

@@ -34,9 +34,9 @@ module amontons_nonlinear_mpc
   implicit none
   private
   public :: add_nonlinear_mpcs, add_mpc_stiffness, fix_unconnected_unknowns, extract_support_reactions, linearize_mpcs
-  public :: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, find_rotation_lengths, TAG_PRESCRIBED
+  public :: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, find_rotation_lengths, TAG_SUPPORT
 
-  integer, parameter :: TAG_PRESCRIBED = 1            !< rows of prescribed displacements of transformed nodes
+  integer, parameter :: TAG_SUPPORT = 1           !< rows of supports: of transformed nodes, and those that hold fibres
   integer, parameter :: TAG_MPC = 1000000000      !< rows of nonlinear MPCs have this tag and higher ones
   integer, parameter :: N_RIGID_BODY_TERMS = 9             !< a row of a BODY: node, reference node, rotation node; then the stretch
 
@@ -128,7 +128,7 @@ contains
     if (base%n_rows == 0) return
     call find_multipliers(base, -reaction, multiplier)
     do k = 1, base%n_rows
-      if (base%rows(k)%tag == TAG_PRESCRIBED) cycle
+      if (base%rows(k)%tag == TAG_SUPPORT) cycle
       do i = 1, size(base%rows(k)%original_unknown)
         unknown = base%rows(k)%original_unknown(i)
         associate (force => reaction(mod(unknown - 1, 3) + 1, (unknown + 2) / 3))

@@ -29,6 +29,7 @@ module amontons_analysis
   use amontons_user_element_forces, only: begin_user_elements, user_strain_energy, user_inelastic_work
   use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
   use amontons_driven_slaves, only: find_driven_slave
+  use amontons_balanced_bodies, only: find_loaded_support
   use amontons_unpaired_crossing, only: find_unpaired_crossing
   use amontons_model_change, only: activate_elements, relieve_elements
   use amontons_model_setup, only: set_up_model
@@ -471,9 +472,20 @@ contains
       call logger%show_increment(record, done_fraction(analysis))
     end associate
     call analysis%system%clock%read(PHASE_OUTPUT)
-    call check_unpaired_contact(analysis, error)
+    call check_balance(analysis, error)
+    if (.not. allocated(error)) call check_unpaired_contact(analysis, error)
     call analysis%system%clock%read(PHASE_CONTACT)
   end subroutine commit_analysis
+
+
+  !> Ends the job where loads that held each other in balance do so no longer.
+  subroutine check_balance(analysis, error)
+    type(analysis_type), intent(in) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: message
+    call find_loaded_support(analysis%model, max(1, analysis%stepping%step), analysis%state%old, message)
+    if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
+  end subroutine check_balance
 
 
   !> Ends the job where faces have come together that general contact does not know to be near: of two bodies under NLGEOM, or of

@@ -59,6 +59,7 @@ contains
     call find_balancing_supports(model, supports, text)
     if (text /= '') call logger%say(text)
     held%is_held = .true.
+    held%is_balancing = .true.
     do i = 1, size(supports)
       if (supports(i)%director > 0) then
         model%equations = [model%equations, support_equation(model, supports(i))]

@@ -56,6 +56,7 @@ module amontons_loads
     logical :: is_held = .false.                 !< FIXED: keeps the displacement that it has at the start of the step
     logical :: is_velocity = .false.             !< TYPE=VELOCITY: its integral from the displacement at the start of the step
     logical :: is_from_current = .false.         !< starts from the displacement at the start of the step instead of `start`
+    logical :: is_balancing = .false.            !< of no card: holds a free motion and carries no force (`balanced_bodies`)
     integer :: line = 0                          !< line of the card in the deck, for messages
   end type prescribed_type
 
@@ -93,6 +94,7 @@ module amontons_loads
     integer :: deck_dof = 0                     !< degree of freedom of the first term as given in the deck
     integer :: first_step = 1                    !< the first step in which it is active
     integer :: last_step = huge(1)               !< EQUATION, REMOVE: the last step in which it is active
+    logical :: is_balancing = .false.            !< of no card: a support that carries no force (`balanced_bodies`)
   end type equation_type
 
   !> Equations that are added one by one. The array doubles when it is full, and its equations are moved, not copied.

@@ -18,17 +18,19 @@ module amontons_balanced_bodies
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_structural_data, only: find_node_directors
   use amontons_mpc_data, only: MPC_RIGID_BODY
-  use amontons_nonlinear_mpc, only: linearize_mpcs
-  use amontons_state, only: state_type, slave_state_type, create_state
+  use amontons_nonlinear_mpc, only: linearize_mpcs, find_rotation_lengths
+  use amontons_state, only: state_type, fields_type, slave_state_type, create_state
   use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list
   use amontons_model_check_motion, only: cluster_type, find_free_clusters, rigid_motion
   implicit none
   private
-  public :: balancing_support_type, find_balancing_supports, support_equation
+  public :: balancing_support_type, find_balancing_supports, support_equation, find_loaded_support
 
   real(DP), parameter :: TOL_BALANCED = 1.0e-6_DP      !< work of all loads over the sum of the works of each nodal force [-]
+  real(DP), parameter :: MAX_SUPPORT_FORCE = 0.01_DP   !< of all balancing supports over the sum of the loads [-]
   real(DP), parameter :: MAX_SINE = 1.0e-3_DP          !< between a beam and the axis of a rotation about the beam [-]
   real(DP), parameter :: MIN_TURN = 1.0e-9_DP          !< a smaller coefficient of a rotation is rounding [-]
+  character(1), parameter :: AXES(3) = ['x', 'y', 'z']
   integer, parameter :: N_TIMES = 4                    !< times of a step at which the loads are compared
 
   !> A degree of freedom that is held in a step.
@@ -113,7 +115,6 @@ contains
     type(model_type), intent(in) :: model
     type(balancing_support_type), intent(in) :: supports(:)
     character(:), allocatable :: text, label
-    character(1), parameter :: AXES(3) = ['x', 'y', 'z']
     integer :: i
     text = ''
     do i = 1, size(supports)
@@ -290,9 +291,51 @@ contains
       end if
     end associate
     equation%n_eliminable = size(equation%node)
+    equation%is_balancing = .true.
     equation%first_step = support%step
     equation%last_step = support%step
   end function support_equation
+
+
+  !> Whether balancing supports carry a force after an increment: the loads have lost their balance since, between the times at
+  !! which they were compared or, under NLGEOM, because forces of fixed direction have other arms about a body that has bent or
+  !! turned. Message says at which node most; '': none.
+  subroutine find_loaded_support(model, step, fields, message)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< of the model, from 1
+    type(fields_type), intent(in) :: fields        !< in equilibrium
+    character(:), allocatable, intent(out) :: message
+    logical, allocatable :: is_balancing(:, :)     ! (3, n_nodes) held by these supports
+    real(DP), allocatable :: lengths(:)
+    real(DP) :: loads
+    integer :: i, k, worst(2)
+    message = ''
+    allocate (is_balancing(3, model%mesh%n_nodes), source=.false.)
+    associate (prescribed => model%steps(step)%prescribed)
+      do i = 1, size(prescribed)
+        if (prescribed(i)%is_balancing) is_balancing(prescribed(i)%dof, prescribed(i)%node) = .true.
+      end do
+    end associate
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        if (.not. equation%is_balancing .or. step < equation%first_step .or. step > equation%last_step) cycle
+        do k = 1, size(equation%node)
+          is_balancing(equation%dof(k), equation%node(k)) = .true.
+        end do
+      end associate
+    end do
+    if (.not. any(is_balancing)) return
+    lengths = find_rotation_lengths(model)         ! moments count by the force at half the size of the model
+    if (size(lengths) == 0) lengths = spread(1.0_DP, 1, model%mesh%n_nodes)
+    loads = sum(norm2(fields%applied_force, dim=1) / lengths)
+    if (loads <= 0.0_DP .or. sum(abs(fields%reaction_force), mask=is_balancing) <= MAX_SUPPORT_FORCE * loads) return
+    worst = maxloc(abs(fields%reaction_force), mask=is_balancing)
+    message = 'The loads no longer balance each other: node ' // to_text(model%mesh%node_label(worst(2))) // ', which holds a ' // &
+      'free rigid motion in place of a support, carries a force of ' // &
+      to_text(fields%reaction_force(worst(1), worst(2))) // ' along ' // AXES(worst(1)) // '. Forces that keep their ' // &
+      'direction lose their balance as a body bends or turns. Support the body as it is in reality, or let the loads turn ' // &
+      'with it (pressure; *CLOAD, FOLLOWER).'
+  end subroutine find_loaded_support
 
 
   !> The nodes of bodies that may be held: with elements, in global directions, in no support, equation or multi-point constraint.

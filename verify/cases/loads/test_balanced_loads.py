@@ -192,6 +192,32 @@ def test_loads_of_a_reference_node_that_turn_the_strip(run: Run, tmp_path: Path,
     assert done.returncode == 4 and "can turn about y through the point (0, 1, 0)" in done.stdout, done.stdout
 
 
+@pytest.mark.parametrize("holder", HOLDERS)
+def test_loads_that_lose_their_balance_as_the_strip_bends(run: Run, tmp_path: Path, holder: str) -> None:
+    """Bent by half of its length, the strip shortens the arm of the force: no support may carry the rest unnoticed."""
+    for name, load, code in (("small", 0.3, 0), ("large", 5.0, 5)):
+        (tmp_path / f"{name}.inp").write_text(hinged_strip(HOLDERS[holder], f"*CLOAD\n900, 3, {load}\n900, 5, {10 * load}\n", ", NLGEOM"))
+        done = run(["--outdir", tmp_path, tmp_path / f"{name}.inp"], tmp_path)
+        assert done.returncode == code, done.stdout
+        assert ("The loads no longer balance each other: node " in done.stdout) == (code != 0), done.stdout
+
+
+def test_loads_that_balance_at_some_times_only(run: Run, tmp_path: Path) -> None:
+    """Two forces whose amplitudes agree at quarters of the step, where they are compared, and not between."""
+    mesh = free_mesh("C3D8")
+    ends = [[n + 1 for n in mesh.where(0, x)] for x in (0.0, SIZE[0])]
+    cards = "".join(
+        f"*CLOAD, AMPLITUDE={name}\n" + "".join(f"{n}, 1, {force}\n" for n in nodes) for name, force, nodes in zip("AB", (-1.0, 1.0), ends, strict=True)
+    )
+    for middle, code in ((0.1, 0), (0.2, 5)):
+        deck = free_deck(mesh, cards).replace("0.5, 1.", "0.1, 1., 0.1, 0.1")
+        deck = "*AMPLITUDE, NAME=A\n0., 0., 1., 1.\n*AMPLITUDE, NAME=B\n" + f"0., 0., 0.1, {middle}, 0.2, 0.2, 1., 1.\n" + deck
+        (tmp_path / f"ends-{code}.inp").write_text(deck)
+        done = run(["--outdir", tmp_path, tmp_path / f"ends-{code}.inp"], tmp_path)
+        assert done.returncode == code, done.stdout
+        assert ("The loads no longer balance each other: node " in done.stdout) == (code != 0), done.stdout
+
+
 def test_a_folded_strip_on_a_hinge(run: Run, tmp_path: Path) -> None:
     """A strip hinged at x = 0 with an upright end of half its length, pulled at its end towards the hinge.
 
