@@ -88,7 +88,7 @@ uses_section_beams = kinds tensor user_elements
 uses_directors = kinds tensor element_kinds mesh structural_data shape_functions
 uses_equivalent_layers = kinds tensor dense
 uses_expanded_elements = kinds element_kinds mesh structural_data
-uses_knots = kinds tensor loads mesh mpc_data structural_data model
+uses_knots = kinds text tensor loads mesh mpc_data structural_data model
 uses_expansion = model directors expanded_elements knots
 
 # input
@@ -258,7 +258,7 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
-uses_model_setup = kinds text errors logger loads model deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
+uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output results text_output driven_loads
 uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes driven_slaves unpaired_contact unpaired_crossing arc_length equilibrium model_check_motion balanced_bodies model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files

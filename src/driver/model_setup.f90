@@ -13,6 +13,7 @@ module amontons_model_setup
   use amontons_balanced_bodies, only: balancing_support_type, find_balancing_supports, support_equation
   use amontons_model, only: model_type, job_options_type
   use amontons_contact_initialization, only: find_adjustment
+  use amontons_knots, only: describe_oblique_turns
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
   use amontons_self_contact_pairs, only: add_self_pairs
   use amontons_deck_structure, only: order_slave_terms
@@ -32,6 +33,7 @@ contains
     type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     logical, allocatable :: is_bound(:)
+    character(:), allocatable :: text
     call open_user_routines(model, options, error)
     if (allocated(error)) return
     call add_ties(model, error)
@@ -42,6 +44,8 @@ contains
     call soften_dependent_pairs(model, logger)
     call adjust(model, logger, error)
     if (allocated(error)) return
+    text = describe_oblique_turns(model)
+    if (text /= '') call logger%warn(text)
     call hold_balanced_bodies(model, logger)
     if (size(model%steps) == 0) return
     if (allocated(model%steps(1)%material)) model%mesh%material = model%steps(1)%material

@@ -11,18 +11,20 @@
 !! which follows the other terms and so holds none of them.
 module amontons_knots
   use amontons_kinds, only: DP
+  use amontons_text, only: to_text
   use amontons_loads, only: equation_type
   use amontons_mesh, only: append_nodes
-  use amontons_model, only: model_type, new_equation, DIALECT_CALCULIX
+  use amontons_model, only: model_type, new_equation, n_nonlinear_mpcs, DIALECT_CALCULIX
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_MEAN_ROTATION, MPC_FITTED_ROTATION
   use amontons_structural_data, only: structure_type, structural_section_type, director_type, mean_weights, find_node_directors
   use amontons_tensor, only: cross_product
   implicit none
   private
-  public :: connect_nodes
+  public :: connect_nodes, describe_oblique_turns
 
   real(DP), parameter :: TOL_PARALLEL = 1.0e-6_DP   !< sine between fibres taken as parallel [-]
   real(DP), parameter :: TOL_HELD = 0.1_DP          !< part of an axis along a fibre that counts as holding its drill [-]
+  real(DP), parameter :: TOL_OBLIQUE = 1.0e-3_DP    !< product of inertia about global axes over the largest moment of inertia [-]
   real(DP), parameter :: TOL_DRILL = 1.0e-2_DP      !< sine between a fibre and an axis, below: no rotation about this axis [-]
 
 contains
@@ -227,6 +229,60 @@ contains
       mpcs(n) = mpc
     end do
   end subroutine add_rotations
+
+
+  !> The first node of the calculix dialect at which a moment or a prescribed rotation acts wrongly, as in CalculiX: mean rotations
+  !! about each global axis by itself are those of the cross-section only if these axes are its principal ones. '': none.
+  function describe_oblique_turns(model) result(text)
+    type(model_type), intent(in) :: model
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    if (model%dialect /= DIALECT_CALCULIX .or. .not. allocated(model%structure)) return
+    do i = 1, n_nonlinear_mpcs(model)
+      associate (mpc => model%nonlinear_mpcs(i))
+        if (mpc%kind /= MPC_MEAN_ROTATION .or. index(mpc%card, 'SECTION') == 0) cycle
+        if (.not. is_oblique(model%mesh%coordinates(:, mpc%node)) .or. .not. is_turned_by_loads(model, mpc%reference)) cycle
+        text = 'Node ' // to_text(model%mesh%node_label(owner_of_rotation(model, mpc%reference))) // ': moments and rotations ' // &
+          'of beams and shells act in the mean about each global axis by itself, as in CalculiX. These are no axes of the ' // &
+          'cross-section, so that a moment also bends it about another one. --dialect=abaqus is right in every direction.'
+        return
+      end associate
+    end do
+  end function describe_oblique_turns
+
+
+  !> Whether the inertia of points about their centre has products about the global axes.
+  pure logical function is_oblique(points)
+    real(DP), intent(in) :: points(:, :)         !< (3, n) [length]
+    real(DP) :: arm(3, size(points, 2)), J(3, 3)
+    arm = points - spread(sum(points, 2) / real(size(points, 2), DP), 2, size(points, 2))
+    J = matmul(arm, transpose(arm))
+    is_oblique = max(abs(J(1, 2)), abs(J(2, 3)), abs(J(1, 3))) > TOL_OBLIQUE * (J(1, 1) + J(2, 2) + J(3, 3))
+  end function is_oblique
+
+
+  !> Whether moments or prescribed rotations act at a rotation node in any step.
+  pure logical function is_turned_by_loads(model, node) result(is_turned)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node
+    integer :: i
+    is_turned = .false.
+    do i = 1, size(model%steps)
+      associate (forces => model%steps(i)%concentrated, supports => model%steps(i)%prescribed)
+        is_turned = is_turned .or. any(forces%node == node .and. abs(forces%end) > 0.0_DP) .or. &
+          any(supports%node == node .and. abs(supports%end) > 0.0_DP)
+      end associate
+    end do
+  end function is_turned_by_loads
+
+
+  !> The node of the deck to which a rotation node belongs.
+  pure integer function owner_of_rotation(model, rotation) result(node)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: rotation
+    node = findloc(model%rotation_of, rotation, dim=1)
+  end function owner_of_rotation
 
 
   !> A knot of the directors first to last.

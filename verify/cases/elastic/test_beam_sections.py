@@ -117,6 +117,19 @@ def test_moment_on_a_beam_in_any_direction(run_deck: Run, tmp_path: Path, sectio
         assert np.abs(turns[name] - turns["along x"]).max() <= 2e-6 * angles.max(), (name, turns)
 
 
+@pytest.mark.parametrize("load", ["*CLOAD\n2, 5, 1.\n", "*BOUNDARY\n2, 5, 5, 0.01\n", "*CLOAD\n2, 2, 1.\n"], ids=["moment", "rotation", "force"])
+@pytest.mark.parametrize("kind", ["B31", "S4"])
+def test_oblique_moments_of_the_calculix_dialect(run_deck: Run, kind: str, load: str) -> None:
+    """A warning where moments turn about another axis, too, as in CalculiX; none along an axis, by a force, or in the abaqus dialect."""
+    for word, slope in (("calculix", 0.0), ("calculix", 0.75), ("abaqus", 0.75)):
+        deck = f"** dialect: {word}\n*NODE\n1, 0., 0., 0.\n2, 1., 0., {slope}\n3, 1., 1., {slope}\n4, 0., 1., 0.\n"
+        deck += f"*ELEMENT, TYPE={kind}, ELSET=E\n" + ("1, 1, 2\n" if kind == "B31" else "1, 1, 2, 3, 4\n") + f"*MATERIAL, NAME=M\n*ELASTIC\n{MODULUS}, {RATIO}\n"
+        deck += "*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT\n0.4, 0.2\n0., 1., 0.\n" if kind == "B31" else "*SHELL SECTION, ELSET=E, MATERIAL=M\n0.1\n"
+        done = run_deck(deck + f"*BOUNDARY\n1, 1, 6\n4, 1, {6 if kind == 'S4' else 0}\n".replace("4, 1, 0\n", "") + f"*STEP\n*STATIC\n{load}*END STEP\n")
+        assert done.returncode == 0, done.stdout
+        assert ("Node 2: moments and rotations of beams and shells" in done.stdout) == (word == "calculix" and slope > 0 and "2, 5" in load), done.stdout
+
+
 def general(deck: str, third: str, parameters: str = "") -> str:
     """The deck with BEAM GENERAL SECTION: its third line gives the elasticity that *MATERIAL had."""
     head, section = deck.split("*MATERIAL", 1)
