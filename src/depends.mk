@@ -62,7 +62,7 @@ uses_drucker_prager = kinds scalar_root materials plasticity
 uses_logarithmic_strain = kinds tensor
 uses_elasticity = kinds tensor materials logarithmic_strain
 uses_hyperelasticity = kinds materials logarithmic_strain
-uses_lode_angle_return = kinds scalar_root materials deviatoric_section plasticity
+uses_lode_angle_return = kinds scalar_root materials deviatoric_section plasticity drucker_prager
 uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
 uses_material_point = kinds tensor materials plasticity drucker_prager logarithmic_strain elasticity hyperelasticity lode_angle_return user_material
 uses_element_integration_points = kinds tensor element_kinds materials user_material material_point
@@ -88,7 +88,7 @@ uses_section_beams = kinds tensor user_elements
 uses_directors = kinds tensor element_kinds mesh structural_data shape_functions
 uses_equivalent_layers = kinds tensor dense
 uses_expanded_elements = kinds element_kinds mesh structural_data
-uses_knots = kinds text tensor loads mesh mpc_data structural_data model
+uses_knots = kinds text containers tensor loads mesh mpc_data structural_data model
 uses_expansion = model directors expanded_elements knots
 
 # input

@@ -15,7 +15,7 @@ module amontons_drucker_prager
   use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS
   implicit none
   private
-  public :: map_cone_return
+  public :: hardening_factor, map_cone_return
 
   !> The increment's fixed data, for the scalar equations.
   type :: cone_problem_type
@@ -70,18 +70,26 @@ contains
     problem%e_old = e_old
     problem%friction = tan(angle(1))
     problem%dilation = tan(angle(2))
-    select case (material%cone_hardening)
-    case (CONE_COMPRESSION)
-      problem%cohesion_factor = 1 - problem%friction / 3
-      problem%strain_factor = 1 - problem%dilation / 3
-    case (CONE_TENSION)
-      problem%cohesion_factor = 1 + problem%friction / 3
-      problem%strain_factor = 1 + problem%dilation / 3
-    case default
-      problem%cohesion_factor = sqrt(3.0_DP)
-      problem%strain_factor = sqrt(3.0_DP)
-    end select
+    problem%cohesion_factor = hardening_factor(material%cone_hardening, 1.0_DP, problem%friction)
+    problem%strain_factor = hardening_factor(material%cone_hardening, 1.0_DP, problem%dilation)
   end function pose_problem
+
+
+  !> What the cohesion is over the stress of the hardening curve, with the tangent of the angle of friction; and the growth of the
+  !! equivalent plastic strain over the multiplier, with that of dilation.
+  pure real(DP) function hardening_factor(test, K, tangent) result(factor)
+    integer, intent(in) :: test                    !< CONE_... of the hardening curve
+    real(DP), intent(in) :: K                      !< yield stress in extension over that in compression [-]
+    real(DP), intent(in) :: tangent                !< [-]
+    select case (test)
+    case (CONE_COMPRESSION)
+      factor = 1 - tangent / 3
+    case (CONE_TENSION)
+      factor = 1 / K + tangent / 3
+    case default
+      factor = 0.5_DP * sqrt(3.0_DP) * (1 + 1 / K)
+    end select
+  end function hardening_factor
 
 
   !> Excess over the cone and its slope, after a multiplier m: q = q_trial - 3 G m, p = p_trial + K m tan(psi).

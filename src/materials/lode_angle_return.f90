@@ -18,8 +18,8 @@ module amontons_lode_angle_return
   use amontons_kinds, only: DP
   use amontons_deviatoric_section, only: deviatoric_section_type, deviator_return_type, evaluate_section, return_deviator, &
     lode_axes, lode_angle, SECTION_RATIO, SECTION_MENETREY_WILLAM, SECTION_MOHR_COULOMB
-  use amontons_materials, only: material_type, evaluate_curves, evaluate_table, CONE_COMPRESSION, CONE_TENSION, &
-    YIELD_MOHR_COULOMB
+  use amontons_materials, only: material_type, evaluate_curves, evaluate_table, YIELD_MOHR_COULOMB
+  use amontons_drucker_prager, only: hardening_factor
   use amontons_plasticity, only: RETURN_OK, RETURN_FAILED, TOL_YIELD
   use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS
   implicit none
@@ -117,17 +117,8 @@ contains
     associate (K => values(3))
       problem%yield = deviatoric_section_type(SECTION_RATIO, ratio=K)
       problem%flow = problem%yield
-      select case (material%cone_hardening)
-      case (CONE_COMPRESSION)
-        problem%cohesion_factor = 1 - problem%friction / 3
-        problem%strain_factor = 1 - problem%dilation / 3
-      case (CONE_TENSION)
-        problem%cohesion_factor = 1 / K + problem%friction / 3
-        problem%strain_factor = 1 / K + problem%dilation / 3
-      case default
-        problem%cohesion_factor = 0.5_DP * sqrt(3.0_DP) * (1 + 1 / K)
-        problem%strain_factor = problem%cohesion_factor
-      end select
+      problem%cohesion_factor = hardening_factor(material%cone_hardening, K, problem%friction)
+      problem%strain_factor = hardening_factor(material%cone_hardening, K, problem%dilation)
     end associate
   end function pose_problem
 
