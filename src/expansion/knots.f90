@@ -11,6 +11,7 @@
 !! which follows the other terms and so holds none of them.
 module amontons_knots
   use amontons_kinds, only: DP
+  use amontons_containers, only: list_groups, owners_of_entries
   use amontons_text, only: to_text
   use amontons_loads, only: equation_type
   use amontons_mesh, only: append_nodes
@@ -236,14 +237,15 @@ contains
   function describe_oblique_turns(model) result(text)
     type(model_type), intent(in) :: model
     character(:), allocatable :: text
-    integer :: i
+    integer :: i, node
     text = ''
     if (model%dialect /= DIALECT_CALCULIX .or. .not. allocated(model%structure)) return
     do i = 1, n_nonlinear_mpcs(model)
       associate (mpc => model%nonlinear_mpcs(i))
         if (mpc%kind /= MPC_MEAN_ROTATION .or. index(mpc%card, 'SECTION') == 0) cycle
         if (.not. is_oblique(model%mesh%coordinates(:, mpc%node)) .or. .not. is_turned_by_loads(model, mpc%reference)) cycle
-        text = 'Node ' // to_text(model%mesh%node_label(owner_of_rotation(model, mpc%reference))) // ': moments and rotations ' // &
+        node = findloc(model%rotation_of, mpc%reference, dim=1)
+        text = 'Node ' // to_text(model%mesh%node_label(node)) // ': moments and rotations ' // &
           'of beams and shells act in the mean about each global axis by itself, as in CalculiX. These are no axes of the ' // &
           'cross-section, so that a moment also bends it about another one. --dialect=abaqus is right in every direction.'
         return
@@ -275,14 +277,6 @@ contains
       end associate
     end do
   end function is_turned_by_loads
-
-
-  !> The node of the deck to which a rotation node belongs.
-  pure integer function owner_of_rotation(model, rotation) result(node)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: rotation
-    node = findloc(model%rotation_of, rotation, dim=1)
-  end function owner_of_rotation
 
 
   !> A knot of the directors first to last.
@@ -452,29 +446,11 @@ contains
     type(structure_type), intent(in) :: structure
     integer, allocatable, intent(out) :: first_at(:)      !< (n_deck_nodes + 1) start of those of a node
     integer, allocatable, intent(out) :: elements_at(:)
-    integer, allocatable :: n_at(:)
-    integer :: e, i, node
-    allocate (n_at(structure%n_deck_nodes), first_at(structure%n_deck_nodes + 1), source=0)
-    do e = 1, size(structure%section)
-      if (structure%section(e) == 0) cycle
-      do i = structure%first(e), structure%first(e + 1) - 1
-        n_at(structure%nodes(i)) = n_at(structure%nodes(i)) + 1
-      end do
-    end do
-    first_at(1) = 1
-    do node = 1, structure%n_deck_nodes
-      first_at(node + 1) = first_at(node) + n_at(node)
-    end do
-    allocate (elements_at(sum(n_at)))
-    n_at = 0
-    do e = 1, size(structure%section)
-      if (structure%section(e) == 0) cycle
-      do i = structure%first(e), structure%first(e + 1) - 1
-        node = structure%nodes(i)
-        elements_at(first_at(node) + n_at(node)) = e
-        n_at(node) = n_at(node) + 1
-      end do
-    end do
+    integer, allocatable :: element(:), members(:)
+    element = owners_of_entries(structure%first)
+    call list_groups(merge(structure%nodes(:size(element)), 0, structure%section(element) > 0), structure%n_deck_nodes, &
+      first_at, members)
+    elements_at = element(members)
   end subroutine list_elements_of_nodes
 
 
