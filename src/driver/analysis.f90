@@ -483,7 +483,8 @@ contains
     type(analysis_type), intent(in) :: analysis
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: message
-    call find_loaded_support(analysis%model, max(1, analysis%stepping%step), analysis%state%old, message)
+    call find_loaded_support(analysis%model, max(1, analysis%stepping%step), analysis%system%rotation_length, &
+      analysis%state%old, message)
     if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
   end subroutine check_balance
 

@@ -18,7 +18,7 @@ module amontons_balanced_bodies
   use amontons_model, only: model_type, n_nonlinear_mpcs
   use amontons_structural_data, only: find_node_directors
   use amontons_mpc_data, only: MPC_RIGID_BODY
-  use amontons_nonlinear_mpc, only: linearize_mpcs, find_rotation_lengths
+  use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state
   use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list
   use amontons_model_check_motion, only: cluster_type, find_free_clusters, rigid_motion
@@ -300,16 +300,17 @@ contains
   !> Whether balancing supports carry a force after an increment: the loads have lost their balance since, between the times at
   !! which they were compared or, under NLGEOM, because forces of fixed direction have other arms about a body that has bent or
   !! turned. Message says at which node most; '': none.
-  subroutine find_loaded_support(model, step, fields, message)
+  subroutine find_loaded_support(model, step, rotation_length, fields, message)
     type(model_type), intent(in) :: model
     integer, intent(in) :: step                    !< of the model, from 1
+    real(DP), intent(in) :: rotation_length(:)     !< of `find_rotation_lengths`: moments count by the force at this arm
     type(fields_type), intent(in) :: fields        !< in equilibrium
     character(:), allocatable, intent(out) :: message
     logical, allocatable :: is_balancing(:, :)     ! (3, n_nodes) held by these supports
-    real(DP), allocatable :: lengths(:)
-    real(DP) :: loads
+    real(DP) :: loads(model%mesh%n_nodes)
     integer :: i, k, worst(2)
     message = ''
+    if (.not. (any(model%steps(step)%prescribed%is_balancing) .or. any(model%equations%is_balancing))) return
     allocate (is_balancing(3, model%mesh%n_nodes), source=.false.)
     associate (prescribed => model%steps(step)%prescribed)
       do i = 1, size(prescribed)
@@ -325,10 +326,9 @@ contains
       end associate
     end do
     if (.not. any(is_balancing)) return
-    lengths = find_rotation_lengths(model)         ! moments count by the force at half the size of the model
-    if (size(lengths) == 0) lengths = spread(1.0_DP, 1, model%mesh%n_nodes)
-    loads = sum(norm2(fields%applied_force, dim=1) / lengths)
-    if (loads <= 0.0_DP .or. sum(abs(fields%reaction_force), mask=is_balancing) <= MAX_SUPPORT_FORCE * loads) return
+    loads = norm2(fields%applied_force, dim=1)
+    if (size(rotation_length) > 0) loads = loads / rotation_length
+    if (sum(loads) <= 0.0_DP .or. sum(abs(fields%reaction_force), mask=is_balancing) <= MAX_SUPPORT_FORCE * sum(loads)) return
     worst = maxloc(abs(fields%reaction_force), mask=is_balancing)
     message = 'The loads no longer balance each other: node ' // to_text(model%mesh%node_label(worst(2))) // ', which holds a ' // &
       'free rigid motion in place of a support, carries a force of ' // &
