@@ -21,6 +21,7 @@ complete -c amontons -l resume -d 'continue a job that was stopped, from its che
 complete -c amontons -l no-checkpoint -d 'write no checkpoint'
 complete -c amontons -l threads -x -a '1 2 4 8' -d 'work with N threads'
 complete -c amontons -l outdir -x -a '(__fish_complete_directories)' -d 'folder of the result files'
+complete -c amontons -l partitions -x -a '2 4 8 16' -d 'divide grid and fields of job.vtkhdf into G files'
 complete -c amontons -l dialect -x -a 'abaqus calculix' -d 'what a card means where the two differ'
 complete -c amontons -l frd -d 'write all fields to job.frd too'
 complete -c amontons -l oldjob -x -a '(__amontons_files res)' -d 'job from whose restart file the deck continues'

@@ -81,6 +81,24 @@ def read(path: str | PathLike[str]) -> Results:
     return Results(path)
 
 
+def joined_cells(grid: h5py.Group, labels: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint8]]:
+    """Connectivity, offsets and types of all cells of /VTKHDF as one grid.
+
+    A node that several partitions have stands in the file several times; all cells take the first, so that the partitions hang together.
+    """
+    connectivity, offsets, types = (grid[name][:].astype(np.int64) for name in ("Connectivity", "Offsets", "Types"))
+    n_points, n_cells, n_ids = (grid[f"NumberOf{name}"][:] for name in ("Points", "Cells", "ConnectivityIds"))
+    if len(n_points) == 1:
+        return connectivity, offsets, types.astype(np.uint8)
+    connectivity = connectivity + np.repeat(np.cumsum(n_points) - n_points, n_ids)
+    pieces = np.split(offsets, np.cumsum(n_cells + 1)[:-1])
+    offsets = np.concatenate([[0], *(piece[1:] + before for piece, before in zip(pieces, np.cumsum(n_ids) - n_ids, strict=True))])
+    _, first, place = np.unique(labels, return_index=True, return_inverse=True)
+    joined = np.arange(int(n_points.sum()))
+    joined[: len(labels)] = first[place]
+    return joined[connectivity], offsets.astype(np.int64), types.astype(np.uint8)
+
+
 class Results:
     """A result file. What is read stays; a running job is read again by `read`.
 
@@ -92,7 +110,8 @@ class Results:
         heading: of the deck.
         deck: the deck itself.
         times: total time of each frame.
-        node_labels, element_labels: of the deck, in the order of the fields.
+        node_labels, element_labels: of the deck, in the order of the fields. In a file that ties partitions a node of several of them has
+            a row for each.
     """
 
     def __init__(self, path: str | PathLike[str]) -> None:
@@ -111,7 +130,7 @@ class Results:
             self.node_labels: NDArray[np.int64] = ours["mesh/node_label"][:].astype(np.int64)
             self.element_labels: NDArray[np.int64] = ours["mesh/element_label"][:].astype(np.int64)
             self._points: NDArray[np.float64] = grid["Points"][:]   # nodes, then points of analytic surfaces
-            self._cells = grid["Connectivity"][:], grid["Offsets"][:], grid["Types"][:]
+            self._cells = joined_cells(grid, self.node_labels)
             self._cell_data = {name: item[:] for name, item in grid["CellData"].items() if not name.startswith("ELSET ")}
             self._node_sets, self._element_sets = _sets(ours["mesh/node_sets"]), _sets(ours["mesh/element_sets"])
             self._fields = {name: _unit(item) for name, item in grid["PointData"].items()}

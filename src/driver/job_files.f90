@@ -2,11 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! All files are written at a commit, from the committed state alone. The checkpoint comes last: at any moment it and the files
-!! belong to one commit, or the checkpoint contains the pages that restore the files to that commit.
+!! belong to one commit, or the checkpoint contains the pages that restore the files to that commit. Partitions of the results are
+!! written before the file that ties them.
 module amontons_job_files
   use amontons_kinds, only: DP, I64
-  use amontons_text, only: NEWLINE
-  use amontons_errors, only: error_type, diagnostic_list_type
+  use amontons_text, only: NEWLINE, to_text, plural
+  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE
   use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
   use amontons_state, only: state_type, slave_state_type
@@ -26,6 +27,9 @@ module amontons_job_files
   use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
   use amontons_driven_loads, only: driven_loads_type
+  use amontons_result_partitions, only: partition_ending
+  use amontons_partition_files, only: partition_files_type, divide_results, create_partitions, resume_partitions, &
+    write_partition_models, write_partitions, export_partition_pages, apply_partition_pages, close_partitions, discard_partitions
   use amontons_mpi_ranks, only: is_first_rank, is_last_rank, min_over_ranks, sum_over_ranks, share_error
   implicit none
   private
@@ -45,6 +49,8 @@ module amontons_job_files
     type(newton_type) :: newton
     type(increment_control_type) :: stepping
     type(results_type) :: results
+    type(partition_files_type) :: partition_files   !< of this rank
+    integer :: n_partitions = 0                     !< that were requested when the job was begun
     type(text_output_type) :: text_output
     type(frd_type) :: frd
     type(restart_file_type) :: restart_file                  !< states written by RESTART, WRITE
@@ -91,10 +97,17 @@ contains
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
     type(error_type), allocatable :: frd_error
-    if (is_first_rank()) call create_first_files(analysis, error)
+    analysis%n_partitions = analysis%options%n_partitions
+    call divide_results(analysis%partition_files, analysis%model, analysis%n_partitions, error)
+    if (is_first_rank() .and. .not. allocated(error)) call create_first_files(analysis, error)
     call share_error(error)                        ! of another job's files none is replaced
     if (allocated(error)) return
-    if (is_last_rank()) call open_frd(analysis%frd, analysis%model, analysis%options, error)
+    call create_partitions(analysis%partition_files, analysis%model, analysis%options, error)
+    if (is_last_rank() .and. .not. allocated(error)) call open_frd(analysis%frd, analysis%model, analysis%options, error)
+    call share_error(error)
+    if (allocated(error)) return
+    call write_partition_models(analysis%partition_files, analysis%model, error)
+    if (.not. allocated(error)) call write_first(analysis, .true., error)
     call share_error(error)
     if (allocated(error)) return
     !$omp parallel sections num_threads(2) if(has_two_threads())
@@ -108,8 +121,7 @@ contains
     if (allocated(error)) return
     analysis%has_files = .true.
     call share_frd_counts(analysis, .true., error)
-    if (allocated(error)) return
-    if (is_first_rank()) call save_checkpoint(analysis, .false., error)
+    if (.not. allocated(error)) call save_checkpoint(analysis, .false., error)
   end subroutine open_files
 
 
@@ -117,7 +129,7 @@ contains
   subroutine create_first_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
-    call open_results(analysis%results, analysis%model, analysis%options, error)
+    call open_results(analysis%results, analysis%model, analysis%options, error, analysis%partition_files%partitions, 0)
     if (allocated(error)) return
     call open_text_output(analysis%text_output, analysis%model, analysis%options, error)
   end subroutine create_first_files
@@ -129,7 +141,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     call write_model(analysis%results, analysis%model, error)
     if (allocated(error)) return
-    call write_first(analysis, error)
+    call write_first(analysis, .false., error)
     if (allocated(error)) return
     if (any(analysis%model%steps%restart_frequency > 0)) call create_restart_file(analysis%restart_file, &
       job_path(analysis%options, '.res'), analysis%model%deck_text, analysis%model%dialect, error)
@@ -152,21 +164,27 @@ contains
   end subroutine share_frd_counts
 
 
-  !> Writes the frame before the first increment, with the gaps of the model check, which the state does not contain yet.
-  subroutine write_first(analysis, error)
+  !> Writes the frame before the first increment, with the gaps of the model check, which the state does not contain yet: into the
+  !! partitions of this rank, or into the result file.
+  subroutine write_first(analysis, is_of_partitions, error)
     type(analysis_type), intent(inout) :: analysis
+    logical, intent(in) :: is_of_partitions
     type(error_type), allocatable, intent(out) :: error
     type(slave_state_type), allocatable :: kept(:)
-    if (.not. allocated(analysis%initial_slaves)) then
-      call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
-      return
+    logical :: has_gaps
+    has_gaps = allocated(analysis%initial_slaves)
+    if (has_gaps) then
+      call move_alloc(analysis%state%old%slaves, kept)
+      allocate (analysis%state%old%slaves, source=kept)
+      analysis%state%old%slaves%facet = analysis%initial_slaves%facet
+      analysis%state%old%slaves%gap = analysis%initial_slaves%gap
     end if
-    call move_alloc(analysis%state%old%slaves, kept)
-    allocate (analysis%state%old%slaves, source=kept)
-    analysis%state%old%slaves%facet = analysis%initial_slaves%facet
-    analysis%state%old%slaves%gap = analysis%initial_slaves%gap
-    call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
-    call move_alloc(kept, analysis%state%old%slaves)
+    if (is_of_partitions) then
+      call write_partitions(analysis%partition_files, analysis%model, analysis%state%old, first_record(analysis), error)
+    else
+      call write_increment(analysis%results, analysis%model, analysis%state%old, first_record(analysis), error)
+    end if
+    if (has_gaps) call move_alloc(kept, analysis%state%old%slaves)
   end subroutine write_first
 
 
@@ -191,6 +209,11 @@ contains
     type(output_lengths_type) :: files
     associate (options => analysis%options, model => analysis%model)
       call read_checkpoint(job_path(options, '.restart'), model, analysis%snapshot, files, error)
+      if (.not. allocated(error)) call check_partitions(options%n_partitions, files%n_partitions, error)
+      if (allocated(error)) return
+      analysis%n_partitions = files%n_partitions
+      call divide_results(analysis%partition_files, model, files%n_partitions, error)
+      if (.not. allocated(error)) call resume_partitions(analysis%partition_files, model, options, files%partition_pages, error)
       if (allocated(error)) return
       if (is_last_rank()) call resume_frd(analysis%frd, model, options, files%frd, error)
       if (allocated(error)) return
@@ -204,6 +227,19 @@ contains
   end subroutine reopen_files
 
 
+  !> Checks that a job is resumed with the partitions of its files. Errors: EXIT_USAGE.
+  subroutine check_partitions(n_requested, n_begun, error)
+    integer, intent(in) :: n_requested             !< 0: those of the files
+    integer, intent(in) :: n_begun                 !< of the files
+    type(error_type), allocatable, intent(out) :: error
+    if (n_requested == 0 .or. n_requested == n_begun) return
+    if (n_begun == 0) call set_error(error, EXIT_USAGE, 'The job was begun without partitions: resume it without ' // &
+      '--partitions.')
+    if (n_begun > 0) call set_error(error, EXIT_USAGE, 'The job was begun with --partitions ' // to_text(n_begun) // &
+      ': resume it with these, or without the option.')
+  end subroutine check_partitions
+
+
   !> Reopens those of the first rank.
   subroutine reopen_first_files(analysis, files, error)
     type(analysis_type), intent(inout) :: analysis
@@ -212,7 +248,8 @@ contains
     associate (options => analysis%options, model => analysis%model)
       call repair_hdf5(job_path(options, '.vtkhdf'), files%pages, error)
       if (allocated(error)) return
-      call resume_results(analysis%results, model, n_nodal_slaves(model, analysis%state%old%slaves), options, error)
+      call resume_results(analysis%results, model, n_nodal_slaves(model, analysis%state%old%slaves), options, error, &
+        analysis%partition_files%partitions, 0)
       if (allocated(error)) return
       call resume_text_output(analysis%text_output, model, options, files%lengths, error)
       if (allocated(error)) return
@@ -235,6 +272,11 @@ contains
     call share_error(error)
     if (allocated(error)) return
     associate (record => analysis%records(analysis%n_records))
+      if (allocated(analysis%partition_files%partitions)) then
+        call write_partitions(analysis%partition_files, analysis%model, analysis%state%old, record, error)
+        call share_error(error)
+        if (allocated(error)) return
+      end if
       !$omp parallel sections num_threads(2) if(has_two_threads())
       !$omp section
       if (is_first_rank()) call write_increment(analysis%results, analysis%model, analysis%state%old, record, error)
@@ -256,8 +298,7 @@ contains
     if (allocated(error)) return
     call text_output_lengths(analysis%text_output, analysis%lengths)
     analysis%is_guarded = .false.
-    if (.not. is_due) return
-    if (is_first_rank()) call save_checkpoint(analysis, .false., error)
+    if (is_due) call save_checkpoint(analysis, .false., error)
   end subroutine write_committed
 
 
@@ -345,8 +386,8 @@ contains
   end function is_finished
 
 
-  !> Writes the checkpoint, then updates the result file: at any moment either the result file matches the checkpoint, or the
-  !! checkpoint contains the pages that make it match.
+  !> Writes the checkpoint, then updates the result files, partitions first: at any moment either the result files match the
+  !! checkpoint, or the checkpoint contains the pages that make them match. Collective; an error of one rank is that of all.
   subroutine save_checkpoint(analysis, is_old, error)
     type(analysis_type), intent(inout) :: analysis
     logical, intent(in) :: is_old                  !< .true.: the pages restore the last commit
@@ -355,18 +396,34 @@ contains
     integer(I64) :: start, rate
     if (.not. analysis%options%is_guarded) return
     call system_clock(start)
-    call export_result_pages(analysis%results, is_old, files%pages, error)
-    if (.not. (allocated(error) .or. is_old)) call sync_text_output(analysis%text_output, error)
-    files%lengths = analysis%lengths
-    files%frd = analysis%frd_counts
-    files%restart_file = [analysis%restart_file%last, analysis%restart_file%end, int(analysis%restart_file%step, I64)]
-    if (.not. allocated(error)) call write_snapshot(analysis, files, error)
-    if (.not. allocated(error)) call apply_result_pages(analysis%results, error)
-    if (allocated(error)) call discard_results(analysis%results)
+    files%n_partitions = analysis%n_partitions
+    call export_partition_pages(analysis%partition_files, is_old, files%partition_pages, error)
+    if (is_first_rank() .and. .not. allocated(error)) then
+      call export_result_pages(analysis%results, is_old, files%pages, error)
+      if (.not. (allocated(error) .or. is_old)) call sync_text_output(analysis%text_output, error)
+      files%lengths = analysis%lengths
+      files%frd = analysis%frd_counts
+      files%restart_file = [analysis%restart_file%last, analysis%restart_file%end, int(analysis%restart_file%step, I64)]
+      if (.not. allocated(error)) call write_snapshot(analysis, files, error)
+    end if
+    call share_error(error)
+    if (.not. allocated(error)) call apply_partition_pages(analysis%partition_files, error)
+    call share_error(error)
+    if (is_first_rank() .and. .not. allocated(error)) call apply_result_pages(analysis%results, error)
+    call share_error(error)
+    if (allocated(error)) call discard_files(analysis)
     analysis%is_guarded = .not. allocated(error)
     call system_clock(analysis%checkpoint_clock, rate)
     analysis%checkpoint_seconds = real(analysis%checkpoint_clock - start, DP) / real(rate, DP)
   end subroutine save_checkpoint
+
+
+  !> Closes the result files of this rank; pages that were not applied are lost.
+  subroutine discard_files(analysis)
+    type(analysis_type), intent(inout) :: analysis
+    call discard_partitions(analysis%partition_files)
+    call discard_results(analysis%results)
+  end subroutine discard_files
 
 
   !> Writes the checkpoint of the last commit.
@@ -403,9 +460,14 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(error_type), allocatable :: frd_error
     integer :: unit, status
+    logical :: is_open
     call share_frd_counts(analysis, .true., error)
     if (.not. allocated(error)) call check_text_output(analysis%text_output, error)
-    if (is_writing(analysis%results) .and. .not. allocated(error)) call close_result_file(analysis, error)
+    call share_error(error)
+    is_open = .false.
+    if (is_first_rank()) is_open = is_writing(analysis%results)
+    is_open = min_over_ranks(merge(-1.0_DP, 0.0_DP, is_open)) < 0.0_DP
+    if (is_open .and. .not. allocated(error)) call close_result_files(analysis, error)
     call close_text_output(analysis%text_output)
     call close_frd(analysis%frd, frd_error)
     if (.not. allocated(error)) call move_alloc(frd_error, error)
@@ -417,23 +479,36 @@ contains
   end subroutine close_files
 
 
-  !> Closes the result file: checkpoint of the last commit, failed attempts since then, end mark, and pages to restore the commit.
-  subroutine close_result_file(analysis, error)
+  !> Closes the result files: checkpoint of the last commit, failed attempts since then, end mark, and pages to restore the commit.
+  !! Collective.
+  subroutine close_result_files(analysis, error)
     type(analysis_type), intent(inout) :: analysis
     type(error_type), allocatable, intent(out) :: error
     if (is_finished(analysis) .and. .not. analysis%is_guarded) then
-      call close_results(analysis%results, error)
+      call end_result_files(analysis, error)
       if (.not. allocated(error)) call save_checkpoint(analysis, .false., error)
-      call discard_results(analysis%results)
+      call discard_files(analysis)
       return
     end if
     if (.not. analysis%is_guarded) call save_checkpoint(analysis, .false., error)
     if (allocated(error)) return
-    call write_attempts(analysis, analysis%n_committed + 1, analysis%n_records, error)
-    if (.not. allocated(error)) call close_results(analysis%results, error)
+    if (is_first_rank()) call write_attempts(analysis, analysis%n_committed + 1, analysis%n_records, error)
+    call share_error(error)
+    if (.not. allocated(error)) call end_result_files(analysis, error)
     if (.not. allocated(error)) call save_checkpoint(analysis, .true., error)
-    call discard_results(analysis%results)
-  end subroutine close_result_file
+    call discard_files(analysis)
+  end subroutine close_result_files
+
+
+  !> Closes the partitions, then the result file; the last pages of guarded files remain in memory. Collective.
+  subroutine end_result_files(analysis, error)
+    type(analysis_type), intent(inout) :: analysis
+    type(error_type), allocatable, intent(out) :: error
+    call close_partitions(analysis%partition_files, error)
+    call share_error(error)
+    if (is_first_rank() .and. .not. allocated(error)) call close_results(analysis%results, error)
+    call share_error(error)
+  end subroutine end_result_files
 
 
   !> Two lines for the end of a job: its result files, and the command for its report page.
@@ -443,6 +518,9 @@ contains
     character(:), allocatable :: fields
     fields = job_path(analysis%options, '.vtkhdf')
     text = '  result files:  ' // fields // '  ' // job_path(analysis%options, '.sta') // '  ' // job_path(analysis%options, '.cvg')
+    if (allocated(analysis%partition_files%partitions)) text = text // NEWLINE // '                 fields in ' // &
+      plural(size(analysis%partition_files%partitions), 'file') // ' ' // job_path(analysis%options, trim(partition_ending(1))) // &
+      ', ...'
     if (analysis%lengths(3) > 0) text = text // '  ' // job_path(analysis%options, '.dat')
     if (analysis%frd_counts(1) > 0) text = text // '  ' // job_path(analysis%options, '.frd')
     if (allocated(analysis%restart_file%path)) text = text // '  ' // analysis%restart_file%path

@@ -17,7 +17,8 @@ module amontons_job_query
   use amontons_result_schema, only: field_rows, POINT_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, &
     PAIR_COLUMNS, N_PAIR_REALS, N_PAIR_INTEGERS
   use amontons_postprocess, only: nodal_slaves
-  use amontons_results, only: point_fields, pair_rows
+  use amontons_nodal_fields, only: select_all_nodes, point_fields
+  use amontons_results, only: pair_rows
   use amontons_analysis, only: analysis_type, is_at_end
   use amontons_driven_loads, only: set_driven, set_friction, friction_now, current_loads, DRIVEN_FORCE, &
     DRIVEN_DISPLACEMENT, DRIVEN_PRESSURE, &
@@ -343,7 +344,7 @@ contains
     rows = field_rows(POINT_COLUMNS(i)%name)
     associate (model => analysis%model)
       allocate (reals(N_POINT_REALS, model%mesh%n_nodes), integers(N_POINT_INTEGERS, model%mesh%n_nodes))
-      call point_fields(model, analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
+      call point_fields(model, select_all_nodes(model%mesh), analysis%state%new, nodal_slaves(model, analysis%state%new%slaves), &
         mesh_extent(model%mesh), reals, integers)
     end associate
     if (POINT_COLUMNS(i)%is_integer) then

@@ -20,6 +20,8 @@ program amontons
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4, &
     ACTION_ESTIMATE = 5
 
+  integer, parameter :: MAX_PARTITIONS = 9999    !< of the results: four digits in the names of their files
+
   !> Options of the command line.
   type :: command_type
     integer :: action = ACTION_RUN
@@ -194,8 +196,8 @@ contains
   pure function is_with_value(name) result(is_true)
     character(*), intent(in) :: name
     logical :: is_true
-    is_true = any(name == [character(10) :: '-i', '--job', '--threads', '--progress', '--dialect', '--outdir', '--user', &
-      '--oldjob'])
+    is_true = any(name == [character(12) :: '-i', '--job', '--threads', '--progress', '--dialect', '--outdir', '--user', &
+      '--oldjob', '--partitions'])
   end function is_with_value
 
 
@@ -227,6 +229,8 @@ contains
       command%is_quiet = .true.
     case ('--threads')
       call set_threads(command%job, value, error)
+    case ('--partitions')
+      call set_partitions(command%job, value, error)
     case ('--progress')
       call set_progress(command, value, error)
     case ('--dialect')
@@ -261,6 +265,19 @@ contains
       call set_usage_error(error, 'The number of threads is "' // value // '"; it must be 1 or more.')
     end if
   end subroutine set_threads
+
+
+  !> --partitions G
+  subroutine set_partitions(options, value, error)
+    type(job_options_type), intent(inout) :: options
+    character(*), intent(in) :: value
+    type(error_type), allocatable, intent(out) :: error
+    integer :: status
+    status = verify(value, '0123456789')
+    if (status == 0) read (value, *, iostat=status) options%n_partitions
+    if (status /= 0 .or. options%n_partitions < 1 .or. options%n_partitions > MAX_PARTITIONS) call set_usage_error(error, &
+      'The number of partitions is "' // value // '"; it can be 1 to 9999.')
+  end subroutine set_partitions
 
 
   !> --progress=auto|plain|none
@@ -396,6 +413,8 @@ contains
       '  --outdir DIR                 folder of the result files (default: the folder of the deck)', &
       '  --dialect=abaqus|calculix    what a card means where the two differ (default: abaqus, or what a line', &
       '                               "** dialect: calculix" in the first comments of the deck says)', &
+      '  --partitions G               divide the grid and the fields of job.vtkhdf into G files, which the ranks of', &
+      '                               amontons-mpi share; job.vtkhdf ties them', &
       '  --frd                        write all fields to job.frd too, for CGX, PrePoMax and the like (under the', &
       '                               calculix dialect the FILE cards of the deck request it)', &
       '  --user FILE, user=FILE       user routines (UMAT, ...): a Fortran file, which gfortran compiles, or a', &

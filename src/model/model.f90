@@ -40,6 +40,7 @@ module amontons_model
     character(:), allocatable :: user           !< file with user routines, Fortran or a shared library
     logical :: has_files = .true.               !< write result files
     logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards request
+    integer :: n_partitions = 0                 !< of the results, each with a file of its own; 0: one file has all
     logical :: is_guarded = .false.             !< a checkpoint after each converged increment
     logical :: is_resumed = .false.             !< continue from the checkpoint
     logical :: handles_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 requests its status

@@ -28,7 +28,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 18
+  integer(I64), parameter :: FORMAT_VERSION = 19
   integer(I64), parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
   integer(I64), parameter :: N_BUFFER_WORDS = 131072            !< words of a piece of the file
 
@@ -57,6 +57,8 @@ module amontons_checkpoint
     integer(I64) :: restart_file(3) = 0                 !< of .res: last state, bytes, step of it
     integer(I64) :: frd(3) = 0                     !< bytes, frames, blocks of .frd
     type(hdf5_pages_type) :: pages                      !< of .vtkhdf
+    integer :: n_partitions = 0                         !< that were requested (`divide_model`); 0: the results are not divided
+    type(hdf5_pages_type), allocatable :: partition_pages(:)   !< of the files of the partitions; unallocated: there are none
   end type output_lengths_type
 
   !> Words to be written to a file, or read from it.
@@ -547,34 +549,49 @@ contains
   subroutine exchange_files(packer, files)
     type(packer_type), intent(inout) :: packer
     type(output_lengths_type), intent(inout) :: files
-    integer(I64) :: shape_of(2), k
-    integer(I64), allocatable :: words(:)
-    integer :: i
+    integer :: i, n
     do i = 1, 3
       call packer%exchange(files%lengths(i))
       call packer%exchange(files%frd(i))
       call packer%exchange(files%restart_file(i))
     end do
-    associate (pages => files%pages)
-      call packer%exchange(pages%end)
-      shape_of = 0
-      if (packer%is_packing) shape_of = shape(pages%bytes, kind=I64)
-      call packer%exchange(shape_of(1))
-      call packer%exchange(shape_of(2))
-      if (.not. packer%is_packing) then
-        if (any(shape_of < 0) .or. shape_of(2) > size(packer%words, kind=I64)) packer%is_valid = .false.
-        if (shape_of(1) > huge(1) .or. .not. packer%is_valid) return
-        allocate (pages%index(shape_of(2)), pages%bytes(shape_of(1), shape_of(2)))
-      end if
-      call exchange_words(packer, pages%index)
-      allocate (words(shape_of(1) / 8_I64))
-      do k = 1, shape_of(2)
-        if (packer%is_packing) words = transfer(pages%bytes(:, k), words, size(words))
-        call exchange_words(packer, words)
-        if (.not. packer%is_packing .and. packer%is_valid) pages%bytes(:, k) = transfer(words, pages%bytes(:, k))
-      end do
-    end associate
+    call exchange_pages(packer, files%pages)
+    call packer%exchange(files%n_partitions)
+    n = 0
+    if (packer%is_packing .and. allocated(files%partition_pages)) n = size(files%partition_pages)
+    call exchange_count(packer, n)
+    if (.not. packer%is_valid) return
+    if (.not. packer%is_packing) allocate (files%partition_pages(n))
+    do i = 1, n
+      if (packer%is_valid) call exchange_pages(packer, files%partition_pages(i))
+    end do
   end subroutine exchange_files
+
+
+  !> The pages of a file.
+  subroutine exchange_pages(packer, pages)
+    type(packer_type), intent(inout) :: packer
+    type(hdf5_pages_type), intent(inout) :: pages
+    integer(I64) :: shape_of(2), k
+    integer(I64), allocatable :: words(:)
+    call packer%exchange(pages%end)
+    shape_of = 0
+    if (packer%is_packing) shape_of = shape(pages%bytes, kind=I64)
+    call packer%exchange(shape_of(1))
+    call packer%exchange(shape_of(2))
+    if (.not. packer%is_packing) then
+      if (any(shape_of < 0) .or. shape_of(2) > size(packer%words, kind=I64)) packer%is_valid = .false.
+      if (shape_of(1) > huge(1) .or. .not. packer%is_valid) return
+      allocate (pages%index(shape_of(2)), pages%bytes(shape_of(1), shape_of(2)))
+    end if
+    call exchange_words(packer, pages%index)
+    allocate (words(shape_of(1) / 8_I64))
+    do k = 1, shape_of(2)
+      if (packer%is_packing) words = transfer(pages%bytes(:, k), words, size(words))
+      call exchange_words(packer, words)
+      if (.not. packer%is_packing .and. packer%is_valid) pages%bytes(:, k) = transfer(words, pages%bytes(:, k))
+    end do
+  end subroutine exchange_pages
 
 
   !> Packs or unpacks words. If too few words remain, the packer becomes invalid and returns nothing.

@@ -27,9 +27,10 @@ module amontons_frd_output
   use amontons_iteration_records, only: increment_record_type
   use amontons_state, only: equivalent_plastic_strain, state_variables, n_state_variables, fields_type, slave_state_type, &
     STATUS_OPEN
-  use amontons_postprocess, only: average_at_nodes, estimate_error, list_midside_nodes, mechanical_strain, nodal_slaves, &
+  use amontons_nodal_fields, only: fill_midside_values, list_midside_nodes
+  use amontons_postprocess, only: average_at_nodes, estimate_error, mechanical_strain, nodal_slaves, &
     n_nodal_slaves, &
-    fill_midside_values, printed_energy_density, printed_contact_energy, printed_slip, rotate_truss_tensors, has_truss_axes
+    printed_energy_density, printed_contact_energy, printed_slip, rotate_truss_tensors, has_truss_axes
   use amontons_dat_output, only: in_orientation, in_transform, printed_forces
   use amontons_dat_contact_output, only: contact_axes
   use amontons_version, only: VERSION

@@ -1,8 +1,8 @@
 !> HDF5 files: groups, attributes, data sets with unit and description, extendible tables, and crash-safe page writing.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! The only module that uses HDF5. A file is opened without a file lock, so that a viewer can read it while the job runs:
-!! after `flush_hdf5` the file on disk is consistent, and existing data do not move while rows are added.
+!! Only this module and `amontons_virtual_data_sets` use HDF5. A file is opened without a file lock, so that a viewer can read it
+!! while the job runs: after `flush_hdf5` the file on disk is consistent, and existing data do not move while rows are added.
 !! Closing a file closes all objects that are open in it.
 !!
 !! The file on disk changes from one consistent state to the next (overlay_shim.c): writes into the old state are kept in memory
@@ -28,6 +28,7 @@ module amontons_hdf5_file
   public :: hdf5_file_type, hdf5_table_type, hdf5_layout_type, STORAGE_REAL, STORAGE_I32, STORAGE_I64, STORAGE_U8, STORAGE_TEXT
   public :: open_hdf5, open_table, export_pages, apply_pages, repair_hdf5, discard_hdf5, hdf5_pages_type
   public :: create_hdf5, flush_hdf5, close_hdf5, create_group, write_attribute, write_data, create_table, append_rows
+  public :: rank_of, extent_of, open_types, close_types, write_label, check_status      ! for amontons_virtual_data_sets
 
   ! Storage types of values in the file (little endian on every machine).
   integer, parameter :: STORAGE_REAL = 1            !< 64-bit reals
@@ -48,7 +49,7 @@ module amontons_hdf5_file
   !> An open file.
   type :: hdf5_file_type
     private
-    integer(HID_T) :: file = -1
+    integer(HID_T), public :: file = -1
     type(c_ptr) :: overlay = c_null_ptr
     logical, public :: is_open = .false.
     logical, public :: is_guarded = .false.       !< the owner calls apply_pages; else flush_hdf5 and close_hdf5 do

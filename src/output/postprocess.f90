@@ -31,7 +31,7 @@ module amontons_postprocess
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_structural_data, only: SECTION_CIRC
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
-  use amontons_surfaces, only: surface_type, is_compliant, BEHAVIOR_LINEAR, BEHAVIOR_USER
+  use amontons_surfaces, only: surface_type, BEHAVIOR_LINEAR, BEHAVIOR_USER
   use amontons_dual_shape_functions, only: is_transformed, BASIS_ALPHA
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, USER_FIELD
   implicit none
@@ -41,7 +41,7 @@ module amontons_postprocess
   public :: section_type, integrate_section
   public :: sector_share, convert_to_sector, rotate_truss_tensors, has_truss_axes, find_printed_points
   public :: nodal_slaves, n_nodal_slaves, printed_slip, printed_contact_energy
-  public :: pair_sums_type, list_midside_nodes, fill_midside_values, sum_pair_forces
+  public :: pair_sums_type, find_edge_corners, sum_pair_forces
   public :: add_inelastic_work, printed_energy_density
 
   real(DP), parameter :: EXTRAPOLATION_WEIGHT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point in a rule
@@ -79,17 +79,21 @@ contains
   !!
   !! With `is_calculix`, springs and gaps of two nodes count as elements without stress, and the points of C3D6 are extrapolated to
   !! the nodes one by one, as far as those of a rule of three points.
-  subroutine average_at_nodes(mesh, is_absent, values, averages, is_calculix)
+  !!
+  !! With `elements` and `place` it takes those nodes alone which have a place, and all elements at them.
+  subroutine average_at_nodes(mesh, is_absent, values, averages, is_calculix, elements, place)
     type(mesh_type), intent(in) :: mesh
     logical, intent(in) :: is_absent(:)         !< (n_elements) removed, not counted
     real(DP), intent(in) :: values(:, :)        !< (n_components, n_points)
-    real(DP), intent(out) :: averages(:, :)     !< (n_components, n_nodes) same unit
+    real(DP), intent(out) :: averages(:, :)     !< (n_components, n_nodes), or (n_components, places); same unit
     logical, intent(in), optional :: is_calculix    !< default .false.
+    integer, intent(in), optional :: elements(:)    !< ascending
+    integer, intent(in), optional :: place(:)       !< (n_nodes) column of averages, or 0
     real(DP) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_KINDS)
     logical :: is_made(N_KINDS)
-    integer :: n_elements_at(mesh%n_nodes)
+    integer :: n_elements_at(0:size(averages, 2))
     type(element_kind_type) :: entry
-    integer :: e, a, p, n, n_points, kind, first, nodes(MAX_ELEMENT_NODES)
+    integer :: i, e, a, p, n, n_points, n_counted, kind, first, nodes(MAX_ELEMENT_NODES)
     logical :: is_as_there
     is_as_there = .false.
     if (present(is_calculix)) is_as_there = is_calculix
@@ -98,12 +102,16 @@ contains
     if (.not. any(values /= 0.0_DP)) return       ! before the first increment; NaN differs
     n_elements_at = 0
     kind = 0
-    do e = 1, mesh%n_elements
+    n_counted = mesh%n_elements
+    if (present(elements)) n_counted = size(elements)
+    do i = 1, n_counted
+      e = i
+      if (present(elements)) e = elements(i)
       if (is_absent(e)) cycle
       if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
       kind = mesh%kind(e)
       if (entry%family >= FAMILY_SPRING) then
-        if (is_as_there .and. entry%n_nodes == 2) call count_spring(mesh, e, n_elements_at)
+        if (is_as_there .and. entry%n_nodes == 2) call count_spring(mesh, e, n_elements_at(1:))
         cycle
       end if
       if (.not. is_made(kind) .or. is_beam_kind(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points, &
@@ -111,6 +119,7 @@ contains
       if (is_as_there .and. kind == KIND_C3D6) matrix(:6, :2, kind) = reshape([TRUSS_WEIGHTS, 1 - TRUSS_WEIGHTS], [6, 2])
       is_made(kind) = .true.
       call element_nodes(mesh, e, n, nodes)
+      if (present(place)) nodes(:n) = place(nodes(:n))
       first = mesh%point_first(e)
       n_points = mesh%point_first(e + 1) - first
       n_elements_at(nodes(:n)) = n_elements_at(nodes(:n)) + 1
@@ -119,12 +128,13 @@ contains
         cycle
       end if
       do a = 1, n
+        if (nodes(a) == 0) cycle
         do p = 1, n_points
           averages(:, nodes(a)) = averages(:, nodes(a)) + matrix(a, p, kind) * values(:, first + p - 1)
         end do
       end do
     end do
-    do a = 1, mesh%n_nodes
+    do a = 1, size(averages, 2)
       averages(:, a) = averages(:, a) / real(max(1, n_elements_at(a)), DP)
     end do
   end subroutine average_at_nodes
@@ -145,11 +155,12 @@ contains
   pure subroutine add_tensors(matrix, values, nodes, averages)
     real(DP), intent(in) :: matrix(:, :)        !< (MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     real(DP), intent(in) :: values(:, :)        !< (6, n_points)
-    integer, intent(in) :: nodes(:)
+    integer, intent(in) :: nodes(:)             !< columns of averages; 0: none
     real(DP), intent(inout) :: averages(:, :)   !< (6, n_nodes)
     real(DP) :: here(N_TENSOR)
     integer :: a, p
     do a = 1, size(nodes)
+      if (nodes(a) == 0) cycle
       here = averages(:N_TENSOR, nodes(a))
       do p = 1, size(values, 2)
         here = here + matrix(a, p) * values(:N_TENSOR, p)
@@ -792,58 +803,6 @@ contains
       end do
     end associate
   end subroutine find_edge_corners
-
-
-  !> Mid-side nodes constrained to the slave nodes at their corners (exact node-to-surface contact); fields have the corners' mean.
-  subroutine list_midside_nodes(model, slaves, midside_nodes)
-    type(model_type), intent(in) :: model
-    type(slave_state_type), intent(in) :: slaves(:)      !< of nodal_slaves
-    integer, allocatable, intent(out) :: midside_nodes(:, :)   !< (3, n) the node and its two corners
-    integer, allocatable :: ends(:, :)
-    logical :: is_shown(model%mesh%n_nodes)
-    integer :: p, n
-    allocate (midside_nodes(3, 0))
-    is_shown = .false.
-    is_shown(slaves%node) = .true.
-    do p = 1, size(model%pairs)
-      associate (pair => model%pairs(p))
-        if (pair%is_mortar .or. is_compliant(model%interactions(pair%interaction))) cycle
-        call find_edge_corners(model, pair%slave, .false., ends)
-      end associate
-      do n = 1, size(ends, 2)
-        if (ends(1, n) == 0 .or. is_shown(n)) cycle
-        is_shown(n) = .true.
-        midside_nodes = reshape([midside_nodes, [n, ends(:, n)]], [3, size(midside_nodes, 2) + 1])
-      end do
-    end do
-  end subroutine list_midside_nodes
-
-
-  !> Contact stresses at the mid-side nodes of quadratic faces of mortar pairs. Slave values belong to the transformed functions;
-  !! the field is (1 - 2 alpha) times the value of the node plus alpha times those of both corners (doc/theory/contact.md,
-  !! "Quadratic slave faces").
-  subroutine fill_midside_values(model, slaves, first, last, values)
-    type(model_type), intent(in) :: model
-    type(slave_state_type), intent(in) :: slaves(:)      !< of nodal_slaves
-    integer, intent(in) :: first, last             !< rows with the stresses
-    real(DP), intent(inout) :: values(:, :)        !< (:, n_nodes)
-    integer, allocatable :: ends(:, :)
-    logical :: is_done(model%mesh%n_nodes)
-    integer :: p, i
-    is_done = .false.
-    do p = 1, size(model%pairs)
-      if (.not. model%pairs(p)%is_mortar .or. model%pairs(p)%has_point_contact) cycle
-      call find_edge_corners(model, model%pairs(p)%slave, .true., ends)
-      do i = 1, size(slaves)
-        associate (node => slaves(i)%node)
-          if (slaves(i)%pair /= p .or. slaves(i)%status == STATUS_OPEN .or. ends(1, node) == 0 .or. is_done(node)) cycle
-          is_done(node) = .true.
-          values(first:last, node) = (1 - 2 * BASIS_ALPHA) * values(first:last, node) &
-            + BASIS_ALPHA * sum(values(first:last, ends(:, node)), dim=2)
-        end associate
-      end do
-    end do
-  end subroutine fill_midside_values
 
 
   !> Adds the work of the stresses on the plastic and creep strains between two states (trapezoidal rule): q (dp + dc) where

@@ -14,14 +14,17 @@ module amontons_result_model
   use amontons_materials, only: law_name, MAX_LAW_NAME_LENGTH
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_iteration_records, only: PHASE_NAMES
-  use amontons_hdf5_file, only: create_group, hdf5_file_type, write_attribute, write_data, STORAGE_I64, STORAGE_U8
+  use amontons_hdf5_file, only: create_group, hdf5_file_type, hdf5_layout_type, write_attribute, write_data, STORAGE_I64, STORAGE_U8
+  use amontons_virtual_data_sets, only: source_files_type, create_virtual
+  use amontons_result_partitions, only: partition_type, first_places
   use amontons_result_schema, only: write_columns, CONTROL_COLUMNS, STEP_COLUMNS
   use amontons_analytic_profiles, only: analytic_profile_type, profile_coordinates, PROFILE_PLANAR, PROFILE_EXTRUDED, &
     PROFILE_REVOLVED
   use amontons_analytic_master, only: evaluate_carrier_weights
   implicit none
   private
-  public :: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
+  public :: drawn_surfaces_type, draw_nothing, draw_analytic_surfaces, drawn_displacements, write_grid, write_virtual_grid, &
+    write_mesh, write_model_data
 
   integer, parameter :: MAX_NAME_LENGTH = 2 * NAME_LENGTH   !< of a set with the name of its instance before it
   real(DP), parameter :: MAX_ARC_ANGLE = PI / 36.0_DP   !< largest angle of a cell on an arc [rad]
@@ -40,6 +43,13 @@ module amontons_result_model
     integer, allocatable :: vtk_type(:)        !< (n_cells)
   end type drawn_surfaces_type
 
+  ! Descriptions of the data sets of the grid.
+  character(*), parameter :: GRID = '/VTKHDF/'
+  character(*), parameter :: ABOUT_POINTS = 'Reference coordinates of the nodes.'
+  character(*), parameter :: ABOUT_CONNECTIVITY = 'Nodes of all elements, one after the other.'
+  character(*), parameter :: ABOUT_OFFSETS = 'Start of the nodes of each element in Connectivity, and the end.'
+  character(*), parameter :: ABOUT_TYPES = 'VTK cell types.'
+
 contains
 
   !> /VTKHDF: the mesh.
@@ -49,7 +59,6 @@ contains
     type(mesh_type), intent(in) :: mesh
     type(drawn_surfaces_type), intent(in) :: drawn           !< analytic surfaces, after the mesh
     type(error_type), allocatable, intent(out) :: error
-    character(*), parameter :: ROOT = '/VTKHDF/'
     type(element_kind_type) :: entry
     real(DP), allocatable :: points(:, :)
     integer, allocatable :: nodes(:), first(:), vtk_type(:)
@@ -65,35 +74,63 @@ contains
     allocate (points(3, mesh%n_nodes + drawn%n_points))
     points(:, :mesh%n_nodes) = mesh%coordinates
     points(:, mesh%n_nodes + 1:) = drawn%points
-    call create_group(store, '/VTKHDF', error)
-    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Version', [2, 0], error)
-    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Type', 'UnstructuredGrid', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfPoints', [mesh%n_nodes + drawn%n_points], '[-]', &
-      'Nodes, and points of analytic surfaces.', error, STORAGE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfCells', [mesh%n_elements + drawn%n_cells], '[-]', &
-      'Elements, and cells of analytic surfaces.', error, STORAGE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'NumberOfConnectivityIds', [size(nodes)], '[-]', &
-      'Length of Connectivity.', error, STORAGE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Points', points, '[length]', &
-      'Reference coordinates of the nodes.', error)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Connectivity', nodes, '[-]', &
-      'Nodes of all elements, one after the other.', error, STORAGE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Offsets', first, '[-]', &
-      'Start of the nodes of each element in Connectivity, and the end.', error, STORAGE_I64)
-    if (.not. allocated(error)) call write_data(store, ROOT // 'Types', vtk_type, &
-      '[-]', 'VTK cell types.', error, STORAGE_U8)
+    call write_sizes(store, [mesh%n_nodes + drawn%n_points], [mesh%n_elements + drawn%n_cells], [size(nodes)], error)
+    if (.not. allocated(error)) call write_data(store, GRID // 'Points', points, '[length]', ABOUT_POINTS, error)
+    if (.not. allocated(error)) call write_data(store, GRID // 'Connectivity', nodes, '[-]', ABOUT_CONNECTIVITY, error, STORAGE_I64)
+    if (.not. allocated(error)) call write_data(store, GRID // 'Offsets', first, '[-]', ABOUT_OFFSETS, error, STORAGE_I64)
+    if (.not. allocated(error)) call write_data(store, GRID // 'Types', vtk_type, '[-]', ABOUT_TYPES, error, STORAGE_U8)
   end subroutine write_grid
 
 
+  !> /VTKHDF of the file that ties partitions: their grids.
+  subroutine write_virtual_grid(store, sources, n_points, n_cells, n_ids, error)
+    type(hdf5_file_type), intent(in) :: store
+    type(source_files_type), intent(in) :: sources           !< files of the partitions
+    integer, intent(in) :: n_points(:), n_cells(:), n_ids(:) !< points, cells and length of Connectivity of each
+    type(error_type), allocatable, intent(out) :: error
+    type(hdf5_layout_type) :: long
+    long = hdf5_layout_type(storage=STORAGE_I64)
+    call write_sizes(store, n_points, n_cells, n_ids, error)
+    if (.not. allocated(error)) call create_virtual(store, sources, n_points, GRID // 'Points', &
+      hdf5_layout_type(width=3, is_matrix=.true.), .false., '[length]', ABOUT_POINTS, error)
+    if (.not. allocated(error)) call create_virtual(store, sources, n_ids, GRID // 'Connectivity', long, .false., '[-]', &
+      ABOUT_CONNECTIVITY, error)
+    if (.not. allocated(error)) call create_virtual(store, sources, n_cells + 1, GRID // 'Offsets', long, .false., '[-]', &
+      ABOUT_OFFSETS, error)
+    if (.not. allocated(error)) call create_virtual(store, sources, n_cells, GRID // 'Types', &
+      hdf5_layout_type(storage=STORAGE_U8), .false., '[-]', ABOUT_TYPES, error)
+  end subroutine write_virtual_grid
+
+
+  !> The group with its type, and the sizes of its parts.
+  subroutine write_sizes(store, n_points, n_cells, n_ids, error)
+    type(hdf5_file_type), intent(in) :: store
+    integer, intent(in) :: n_points(:), n_cells(:), n_ids(:)
+    type(error_type), allocatable, intent(out) :: error
+    call create_group(store, '/VTKHDF', error)
+    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Version', [2, 0], error)
+    if (.not. allocated(error)) call write_attribute(store, '/VTKHDF', 'Type', 'UnstructuredGrid', error)
+    if (.not. allocated(error)) call write_data(store, GRID // 'NumberOfPoints', n_points, '[-]', &
+      'Nodes, and points of analytic surfaces.', error, STORAGE_I64)
+    if (.not. allocated(error)) call write_data(store, GRID // 'NumberOfCells', n_cells, '[-]', &
+      'Elements, and cells of analytic surfaces.', error, STORAGE_I64)
+    if (.not. allocated(error)) call write_data(store, GRID // 'NumberOfConnectivityIds', n_ids, '[-]', &
+      'Length of Connectivity.', error, STORAGE_I64)
+  end subroutine write_sizes
+
+
   !> /AMONTONS: data of the model before the first increment.
-  subroutine write_model_data(store, model, error)
+  subroutine write_model_data(store, model, mesh, order, error)
     type(hdf5_file_type), intent(in) :: store
     type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< in the order of the file
+    type(partition_type), intent(in) :: order      !< nodes and elements of the model in this order
     type(error_type), allocatable, intent(out) :: error
     call write_texts(store, model, error)
-    if (.not. allocated(error)) call write_mesh(store, model%mesh, error)
+    if (.not. allocated(error)) call write_mesh(store, mesh, error)
     if (.not. allocated(error)) call write_materials(store, model, error)
-    if (.not. allocated(error)) call write_pairs(store, model, error)
+    if (.not. allocated(error)) call write_pairs(store, model, first_places(order%nodes, model%mesh%n_nodes), &
+      first_places(order%elements, model%mesh%n_elements), error)
     if (.not. allocated(error)) call write_steps(store, model%steps, error)
   end subroutine write_model_data
 
@@ -213,9 +250,11 @@ contains
 
 
   !> /AMONTONS/pairs: surfaces, friction and facets of the master of each contact pair.
-  subroutine write_pairs(store, model, error)
+  subroutine write_pairs(store, model, node_place, element_place, error)
     type(hdf5_file_type), intent(in) :: store
     type(model_type), intent(in) :: model
+    integer, intent(in) :: node_place(:)           !< (n_nodes) in the file, from 1
+    integer, intent(in) :: element_place(:)        !< (n_elements) likewise
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: ROOT = '/AMONTONS/pairs/'
     character(MAX_NAME_LENGTH), allocatable :: names(:, :)
@@ -236,7 +275,8 @@ contains
     end do
     allocate (facets(MAX_FACE_NODES + 2, first(n + 1)))
     do i = 1, n
-      call list_facets(model%mesh, model%surfaces(model%pairs(i)%master), facets(:, first(i) + 1:first(i + 1)))
+      call list_facets(model%mesh, model%surfaces(model%pairs(i)%master), node_place, element_place, &
+        facets(:, first(i) + 1:first(i + 1)))
     end do
     call create_group(store, '/AMONTONS/pairs', error)
     if (.not. allocated(error)) call write_data(store, ROOT // 'slave', names(:, 1), &
@@ -259,9 +299,10 @@ contains
 
 
   !> Nodes, element and face number of the facets of a surface; all but the face numbers from 0, -1 fills up.
-  pure subroutine list_facets(mesh, surface, facets)
+  pure subroutine list_facets(mesh, surface, node_place, element_place, facets)
     type(mesh_type), intent(in) :: mesh
     type(surface_type), intent(in) :: surface
+    integer, intent(in) :: node_place(:), element_place(:)   !< in the file, from 1
     integer, intent(out) :: facets(:, :)            !< (MAX_FACE_NODES + 2, n_facets)
     type(element_kind_type) :: entry
     integer :: i, k, e, local
@@ -271,9 +312,9 @@ contains
       do k = 1, MAX_FACE_NODES
         local = entry%face_nodes(k, surface%face(i))
         facets(k, i) = -1
-        if (local > 0) facets(k, i) = mesh%nodes(mesh%first(e) + local - 1) - 1
+        if (local > 0) facets(k, i) = node_place(mesh%nodes(mesh%first(e) + local - 1)) - 1
       end do
-      facets(MAX_FACE_NODES + 1, i) = e - 1
+      facets(MAX_FACE_NODES + 1, i) = element_place(e) - 1
       facets(MAX_FACE_NODES + 2, i) = surface%face(i)
     end do
   end subroutine list_facets
@@ -313,7 +354,7 @@ contains
     type(model_type), intent(in) :: model
     type(drawn_surfaces_type), intent(out) :: drawn
     integer :: s, k
-    allocate (drawn%points(3, 0), drawn%carriers(4, 0), drawn%weights(4, 0), drawn%nodes(0), drawn%last(0), drawn%vtk_type(0))
+    call draw_nothing(drawn)
     if (.not. allocated(model%surfaces)) return
     do s = 1, size(model%surfaces)
       if (.not. allocated(model%surfaces(s)%profile)) cycle
@@ -322,6 +363,13 @@ contains
       end do
     end do
   end subroutine draw_analytic_surfaces
+
+
+  !> No surface.
+  pure subroutine draw_nothing(drawn)
+    type(drawn_surfaces_type), intent(out) :: drawn
+    allocate (drawn%points(3, 0), drawn%carriers(4, 0), drawn%weights(4, 0), drawn%nodes(0), drawn%last(0), drawn%vtk_type(0))
+  end subroutine draw_nothing
 
 
   !> One piece: points along it and across, cells between them.

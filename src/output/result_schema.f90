@@ -11,9 +11,10 @@ module amontons_result_schema
   use amontons_hdf5_file, only: append_rows, create_group, create_table, hdf5_layout_type, open_table, hdf5_file_type, &
     hdf5_table_type, &
     write_data, STORAGE_I32, STORAGE_REAL
+  use amontons_virtual_data_sets, only: source_files_type, create_virtual
   implicit none
   private
-  public :: result_column_type, create_columns, open_columns, append_columns, write_columns, check_finite
+  public :: result_column_type, create_columns, create_virtual_columns, open_columns, append_columns, write_columns, check_finite
   public :: POINT_COLUMNS, STRUCTURE_COLUMNS, N_POINT_REALS, N_POINT_INTEGERS, STRAIN_COLUMN, INTEGRATION_COLUMNS
   public :: CONTACT_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, PAIR_COLUMNS, N_PAIR_INTEGERS, N_PAIR_REALS
   public :: HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS
@@ -218,6 +219,24 @@ contains
   end subroutine create_columns
 
 
+  !> The same as virtual data sets that grow with those of other files.
+  subroutine create_virtual_columns(store, folder, columns, sources, n_rows, error)
+    type(hdf5_file_type), intent(in) :: store
+    character(*), intent(in) :: folder              !< full path of the group, here and in the sources
+    type(result_column_type), intent(in) :: columns(:)
+    type(source_files_type), intent(in) :: sources
+    integer, intent(in) :: n_rows(:)                !< rows added at a time, of each source
+    type(error_type), allocatable, intent(out) :: error
+    integer :: i
+    call create_group(store, folder, error)
+    do i = 1, size(columns)
+      if (allocated(error)) return
+      call create_virtual(store, sources, n_rows, folder // '/' // trim(columns(i)%name), layout_of(columns(i), 1), .true., &
+        columns(i)%unit, columns(i)%description, error)
+    end do
+  end subroutine create_virtual_columns
+
+
   !> Opens the tables of an existing group to append rows.
   subroutine open_columns(store, folder, columns, n_rows_hint, tables, error)
     type(hdf5_file_type), intent(in) :: store
@@ -310,11 +329,12 @@ contains
 
 
   !> Sets an error if a value is NaN or infinite: a program error that must not reach the file.
-  subroutine check_finite(where, columns, reals, error)
+  subroutine check_finite(where, columns, reals, error, index)
     character(*), intent(in) :: where               !< meaning of a row, e.g. 'node'
     type(result_column_type), intent(in) :: columns(:)
     real(DP), intent(in) :: reals(:, :)             !< (widths of the real columns, rows)
     type(error_type), allocatable, intent(out) :: error
+    integer, intent(in), optional :: index(:)       !< number of each of the first rows in the model; default: that of the row
     character(12) :: number
     integer :: i, row, n
     if (all(ieee_is_finite(reals))) return
@@ -324,6 +344,9 @@ contains
       do row = 1, size(reals, 2)
         if (all(ieee_is_finite(reals(n + 1:n + columns(i)%width, row)))) cycle
         write (number, '(i0)') row
+        if (present(index)) then
+          if (row <= size(index)) write (number, '(i0)') index(row)
+        end if
         call set_error(error, EXIT_INTERNAL, trim(columns(i)%name) // ' is not a finite number at ' // where // ' ' // &
           trim(number) // ' (counted from 1); the increment is not written.')
         return

@@ -1,7 +1,7 @@
 !> The result file job.vtkhdf: fields per increment for ParaView, history, iterations, contact states.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Two groups. `/VTKHDF` is an UnstructuredGrid of VTK's HDF format, version 2.0: one mesh, in one part, and a block of
+!! Two groups. `/VTKHDF` is an UnstructuredGrid of VTK's HDF format, version 2.0: one mesh, and a block of
 !! rows of point data per written increment, restricted to features that VTK 9.3 to 9.7 read alike. VTK ignores `/AMONTONS`:
 !!
 !! | group                | contents                                                                                   |
@@ -22,35 +22,43 @@
 !! Lists of lists have `first` (start of each, and the end) beside their members. A frame is one
 !! written increment: rows [frame * n, (frame + 1) * n) of the fields, n the number of nodes, points or slave nodes.
 !! Fields never contain NaN or infinity. The file is flushed after each increment.
+!!
+!! The results may be divided into partitions (amontons_result_partitions). Then each partition has a file with its grid, its labels
+!! and sets, and its fields at nodes and integration points. job.vtkhdf has all else, and the grids and fields of the partitions
+!! as virtual data sets, so that it reads as one file: rows of the first partition, then those of the second, ...; all
+!! indices are those of this order. This module writes all three kinds of files.
 module amontons_results
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP, I64
-  use amontons_errors, only: error_type, set_error, EXIT_INTERNAL
-  use amontons_tensor, only: von_mises
+  use amontons_errors, only: error_type, set_error, EXIT_INTERNAL, EXIT_IO
   use amontons_mesh, only: mesh_type, mesh_extent
   use amontons_steps, only: is_output_due
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
-  use amontons_model, only: job_options_type, job_path, model_type, absent_elements, is_out, DIALECT_CALCULIX
+  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type, REPORT_LINE_LENGTH
-  use amontons_state, only: history_variable, fields_type, slave_state_type, STATUS_OPEN
+  use amontons_state, only: history_variable, fields_type, slave_state_type
   use amontons_hdf5_file, only: append_rows, apply_pages, close_hdf5, create_group, create_hdf5, create_table, &
     discard_hdf5, flush_hdf5, hdf5_layout_type, open_hdf5, open_table, hdf5_pages_type, hdf5_file_type, hdf5_table_type, &
     export_pages, &
     write_attribute, write_data, STORAGE_I64, STORAGE_TEXT, STORAGE_I32
-  use amontons_result_model, only: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
-  use amontons_result_cells, only: write_cells
-  use amontons_section_forces, only: find_section_forces, find_node_rotations, N_SECTION_FORCES
-  use amontons_result_schema, only: append_columns, check_finite, result_column_type, create_columns, open_columns, &
+  use amontons_virtual_data_sets, only: source_files_type
+  use amontons_nodal_fields, only: node_selection_type, select_all_nodes, select_nodes, point_fields, structure_fields, &
+    STATUS_NO_SLAVE
+  use amontons_result_partitions, only: partition_type, join_partitions, extract_mesh, first_places, partition_ending
+  use amontons_result_model, only: drawn_surfaces_type, draw_nothing, draw_analytic_surfaces, drawn_displacements, write_grid, &
+    write_virtual_grid, write_mesh, write_model_data
+  use amontons_result_cells, only: number_bodies, write_cells
+  use amontons_result_schema, only: append_columns, check_finite, result_column_type, create_columns, create_virtual_columns, &
+    open_columns, &
     CONTACT_COLUMNS, HISTORY_COLUMNS, INTEGRATION_COLUMNS, ITERATION_COLUMNS, N_CONTACT_INTEGERS, N_CONTACT_REALS, &
     N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
-    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, STRUCTURE_COLUMNS, field_rows, &
+    N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, STRUCTURE_COLUMNS, &
     STRAIN_COLUMN
-  use amontons_postprocess, only: pair_sums_type, average_at_nodes, list_midside_nodes, nodal_slaves, fill_midside_values, &
-    sum_pair_forces
+  use amontons_postprocess, only: pair_sums_type, nodal_slaves, sum_pair_forces
   implicit none
   private
   public :: results_type, open_results, write_model, resume_results, write_increment, write_attempt, write_iteration, close_results
-  public :: export_result_pages, apply_result_pages, discard_results, is_writing, point_fields, pair_rows
+  public :: export_result_pages, apply_result_pages, discard_results, is_writing, pair_rows
 
   character(*), parameter :: REASON_TABLE = '/AMONTONS/history/reason'
   character(*), parameter :: FAILURE_TEXT_GROUP = '/AMONTONS/failures'
@@ -67,11 +75,22 @@ module amontons_results
     type(hdf5_table_type) :: attempt                    !< (per line) its row in the history
   end type failure_text_type
 
+  integer, parameter :: CONTENT_ALL = 1                !< a file with all results
+  integer, parameter :: CONTENT_TIED = 2               !< a file that ties partitions: their fields lie in their files
+  integer, parameter :: CONTENT_PARTITION = 3          !< a file with the fields of a partition
+
   !> An open result file.
   type :: results_type
     private
     type(hdf5_file_type) :: store
-    integer :: n_nodes = 0                             !< with the points of analytic surfaces
+    integer :: content = CONTENT_ALL
+    type(partition_type) :: order                      !< nodes and elements of the model in the order of the file
+    type(node_selection_type) :: selection             !< of a file with fields: its nodes
+    integer, allocatable :: point_index(:)             !< of a partition: its integration points
+    type(source_files_type) :: sources                 !< of a file that ties partitions: theirs
+    integer, allocatable :: sizes(:, :)                !< (4, n_partitions) points, cells, length of Connectivity, integration
+                                                       !! points of each
+    integer :: n_nodes = 0                             !< rows of nodes in a frame, with the points of analytic surfaces
     type(drawn_surfaces_type) :: drawn                          !< analytic surfaces
     integer :: n_points = 0
     integer :: n_slaves = 0
@@ -91,34 +110,85 @@ module amontons_results
     type(hdf5_table_type), allocatable :: iterations(:)
   end type results_type
 
-  real(DP), parameter :: TOL_EQUAL_VALUE = 1.0e-6_DP             !< relative difference of equal contact forces or gaps [-]
-  integer, parameter :: STATUS_NO_SLAVE = -1                 !< CSTATUS of a node that is no slave
   real(DP), parameter :: NOT_FINITE_VALUE = 1.0e30_DP            !< written for NaN and infinity in the history of failed attempts
 
-  ! The constant tables of /VTKHDF/Steps: all frames show the same mesh, as one part.
+  ! The constant tables of /VTKHDF/Steps: all frames show the same mesh. The second value is the number of its partitions.
   character(21), parameter :: STEP_TABLES(5) = [character(21) :: &
     'PartOffsets', 'NumberOfParts', 'PointOffsets', 'CellOffsets', 'ConnectivityIdOffsets']
-  integer(I64), parameter :: STEP_VALUES(5) = [0_I64, 1_I64, 0_I64, 0_I64, 0_I64]
+  integer, parameter :: STEP_PARTITIONS = 2
   logical, parameter :: STEP_IS_MATRIX(5) = [.false., .false., .false., .true., .true.]
 
 contains
 
-  !> Creates options%outdir/job.vtkhdf with the mesh and all data available before the first increment. It is readable once
-  !! increment 0 is written.
-  subroutine open_results(results, model, options, error)
+  !> Creates options%outdir/job.vtkhdf, or the file of a partition. It is readable once increment 0 is written.
+  subroutine open_results(results, model, options, error, partitions, partition)
     type(results_type), intent(out) :: results
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    call draw_analytic_surfaces(model, results%drawn)
-    results%n_nodes = model%mesh%n_nodes + results%drawn%n_points
-    results%n_points = model%mesh%n_points
+    type(partition_type), intent(in), optional :: partitions(:)   !< all of them; default: the results are not divided
+    integer, intent(in), optional :: partition     !< 0: the file that ties them; else the number of the partition
+    call prepare_results(results, model, options, partitions, partition)
+    call create_hdf5(results%store, path_of(options, partition), error, options%is_guarded)
+    if (allocated(error)) call abandon(results)
+  end subroutine open_results
+
+
+  !> The path of a file.
+  function path_of(options, partition) result(path)
+    type(job_options_type), intent(in) :: options
+    integer, intent(in), optional :: partition
+    character(:), allocatable :: path
+    path = job_path(options, '.vtkhdf')
+    if (.not. present(partition)) return
+    if (partition > 0) path = job_path(options, trim(partition_ending(partition)))
+  end function path_of
+
+
+  !> Sets what a file contains, before it is created or opened.
+  subroutine prepare_results(results, model, options, partitions, partition)
+    type(results_type), intent(inout) :: results
+    type(model_type), intent(in) :: model
+    type(job_options_type), intent(in) :: options
+    type(partition_type), intent(in), optional :: partitions(:)
+    integer, intent(in), optional :: partition
+    integer :: p, i, n
     results%no_projection_gap = mesh_extent(model%mesh)
     results%point_columns = columns_of_nodes(model)
     results%integration_columns = columns_of_points(model)
-    call create_hdf5(results%store, job_path(options, '.vtkhdf'), error, options%is_guarded)
-    if (allocated(error)) call abandon(results)
-  end subroutine open_results
+    call draw_analytic_surfaces(model, results%drawn)
+    if (.not. present(partitions)) then
+      results%selection = select_all_nodes(model%mesh)
+      results%order = partition_type(elements=[(p, p=1, model%mesh%n_elements)], nodes=results%selection%nodes, &
+        n_points=model%mesh%n_points, n_ids=size(model%mesh%nodes))
+    else if (partition == 0) then
+      results%content = CONTENT_TIED
+      results%order = join_partitions(partitions)
+      n = size(partitions)
+      allocate (results%sizes(4, n))
+      allocate (character(len(options%job) + len(partition_ending(1))) :: results%sources%name(n))
+      do p = 1, n
+        results%sources%name(p) = options%job // partition_ending(p)
+        results%sizes(:, p) = [size(partitions(p)%nodes), size(partitions(p)%elements), partitions(p)%n_ids, partitions(p)%n_points]
+      end do
+      results%sizes(:3, n) = results%sizes(:3, n) + [results%drawn%n_points, results%drawn%n_cells, size(results%drawn%nodes)]
+    else
+      results%content = CONTENT_PARTITION
+      results%order = partitions(partition)
+      results%selection = select_nodes(model%mesh, first_places(results%order%nodes, model%mesh%n_nodes) > 0)
+      allocate (results%point_index(results%order%n_points))
+      n = 0
+      do p = 1, size(results%order%elements)
+        associate (first => model%mesh%point_first(results%order%elements(p):results%order%elements(p) + 1))
+          results%point_index(n + 1:n + first(2) - first(1)) = [(i, i=first(1), first(2) - 1)]
+          n = n + first(2) - first(1)
+        end associate
+      end do
+      if (partition < size(partitions)) call draw_nothing(results%drawn)
+    end if
+    results%n_nodes = size(results%order%nodes) + results%drawn%n_points
+    results%n_points = results%order%n_points
+  end subroutine prepare_results
 
 
   !> Writes what all frames share: grid, cells and data of the model.
@@ -126,40 +196,82 @@ contains
     type(results_type), intent(inout) :: results   !< open
     type(model_type), intent(in) :: model
     type(error_type), allocatable, intent(out) :: error
-    call write_grid(results%store, model%mesh, results%drawn, error)
-    if (.not. allocated(error)) call write_cells(results%store, model%mesh, results%drawn%n_cells, error)
-    if (.not. allocated(error)) call create_frames(results, error)
-    if (.not. allocated(error)) call write_model_data(results%store, model, error)
-    if (.not. allocated(error)) call create_histories(results, size(model%pairs), error)
+    type(mesh_type) :: extract
+    select case (results%content)
+    case (CONTENT_ALL)
+      call write_mesh_and_frames(results, model%mesh, number_bodies(model%mesh), error)
+      if (.not. allocated(error)) call write_model_data(results%store, model, model%mesh, results%order, error)
+    case (CONTENT_TIED)
+      call write_virtual_grid(results%store, results%sources, results%sizes(1, :), results%sizes(2, :), results%sizes(3, :), error)
+      if (.not. allocated(error)) call write_cells(results%store, model%mesh, [integer ::], 0, error, results%sources, &
+        results%sizes(2, :))
+      if (.not. allocated(error)) call create_frames(results, error)
+      call extract_mesh(model%mesh, results%order, extract)
+      if (.not. allocated(error)) call write_model_data(results%store, model, extract, results%order, error)
+    case (CONTENT_PARTITION)
+      call extract_mesh(model%mesh, results%order, extract)
+      call write_mesh_and_frames(results, extract, bodies_of(model%mesh, results%order%elements), error)
+      if (.not. allocated(error)) call write_mesh(results%store, extract, error)
+    end select
+    if (.not. allocated(error) .and. results%content /= CONTENT_PARTITION) call create_histories(results, size(model%pairs), error)
     if (allocated(error)) call abandon(results)
   end subroutine write_model
 
 
+  !> Body of some elements, numbered in the whole mesh.
+  function bodies_of(mesh, elements) result(body)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: elements(:)
+    integer, allocatable :: body(:)
+    body = number_bodies(mesh)
+    body = body(elements)
+  end function bodies_of
+
+
+  !> Grid, cells and tables of the fields.
+  subroutine write_mesh_and_frames(results, mesh, body, error)
+    type(results_type), intent(inout) :: results
+    type(mesh_type), intent(in) :: mesh            !< in the order of the file
+    integer, intent(in) :: body(:)                 !< of each element
+    type(error_type), allocatable, intent(out) :: error
+    call write_grid(results%store, mesh, results%drawn, error)
+    if (.not. allocated(error)) call write_cells(results%store, mesh, body, results%drawn%n_cells, error)
+    if (.not. allocated(error)) call create_frames(results, error)
+  end subroutine write_mesh_and_frames
+
+
   !> Opens the file of a job resumed from a checkpoint; the file has already been restored to that commit.
-  subroutine resume_results(results, model, n_slaves, options, error)
+  subroutine resume_results(results, model, n_slaves, options, error, partitions, partition)
     type(results_type), intent(out) :: results
     type(model_type), intent(in) :: model
     integer, intent(in) :: n_slaves
     type(job_options_type), intent(in) :: options
     type(error_type), allocatable, intent(out) :: error
-    call draw_analytic_surfaces(model, results%drawn)
-    results%n_nodes = model%mesh%n_nodes + results%drawn%n_points
-    results%n_points = model%mesh%n_points
+    type(partition_type), intent(in), optional :: partitions(:)   !< as of open_results
+    integer, intent(in), optional :: partition     !< as of open_results
+    call prepare_results(results, model, options, partitions, partition)
     results%n_slaves = n_slaves
-    results%no_projection_gap = mesh_extent(model%mesh)
-    results%point_columns = columns_of_nodes(model)
-    results%integration_columns = columns_of_points(model)
-    call open_hdf5(results%store, job_path(options, '.vtkhdf'), error)
+    call open_hdf5(results%store, path_of(options, partition), error)
     if (.not. allocated(error)) call open_frames(results, error)
-    if (.not. allocated(error) .and. size(model%pairs) > 0) call open_columns(results%store, '/AMONTONS/pair_history', &
-      PAIR_COLUMNS, size(model%pairs), results%pairs, error)
-    if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/history', HISTORY_COLUMNS, 1, &
-      results%history, error)
-    if (.not. allocated(error)) call open_failure_texts(results%failure_texts, results%store, error)
-    if (.not. allocated(error)) call open_columns(results%store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, &
-      results%iterations, error)
+    if (.not. allocated(error) .and. results%content /= CONTENT_PARTITION) call open_histories(results, size(model%pairs), error)
     if (allocated(error)) call discard_hdf5(results%store)
   end subroutine resume_results
+
+
+  !> Opens the tables that grow by a row at a time.
+  subroutine open_histories(results, n_pairs, error)
+    type(results_type), intent(inout) :: results
+    integer, intent(in) :: n_pairs
+    type(error_type), allocatable, intent(out) :: error
+    associate (store => results%store)
+      call open_columns(store, '/AMONTONS/contact', CONTACT_COLUMNS, max(1, results%n_slaves), results%contact, error)
+      if (.not. allocated(error) .and. n_pairs > 0) call open_columns(store, '/AMONTONS/pair_history', PAIR_COLUMNS, n_pairs, &
+        results%pairs, error)
+      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/history', HISTORY_COLUMNS, 1, results%history, error)
+      if (.not. allocated(error)) call open_failure_texts(results%failure_texts, store, error)
+      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/iterations', ITERATION_COLUMNS, 1, results%iterations, error)
+    end associate
+  end subroutine open_histories
 
 
   !> Opens the tables that grow by a frame.
@@ -175,17 +287,18 @@ contains
         if (.not. allocated(error)) call open_table(store, results%constant(i), '/VTKHDF/Steps/' // &
           trim(STEP_TABLES(i)), hdf5_layout_type(storage=STORAGE_I64, is_matrix=STEP_IS_MATRIX(i)), error)
       end do
-      if (.not. allocated(error)) call open_columns(store, '/VTKHDF/PointData', results%point_columns, &
-        results%n_nodes, results%point, error)
+      if (.not. allocated(error) .and. results%content /= CONTENT_TIED) call open_columns(store, '/VTKHDF/PointData', &
+        results%point_columns, results%n_nodes, results%point, error)
       allocate (results%point_offset(size(results%point_columns)))
       do i = 1, size(results%point_columns)
         if (.not. allocated(error)) call open_table(store, results%point_offset(i), &
           '/VTKHDF/Steps/PointDataOffsets/' // trim(results%point_columns(i)%name), hdf5_layout_type(storage=STORAGE_I64), error)
       end do
-      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/integration_points', &
+      if (.not. allocated(error) .and. results%content /= CONTENT_TIED) call open_columns(store, '/AMONTONS/integration_points', &
         results%integration_columns, results%n_points, results%integration, error)
-      if (.not. allocated(error)) call open_columns(store, '/AMONTONS/contact', CONTACT_COLUMNS, &
-        max(1, results%n_slaves), results%contact, error)
+      if (allocated(error) .or. results%content == CONTENT_TIED) return
+      if (results%point(1)%n_rows /= int(results%n_frames, I64) * int(results%n_nodes, I64)) call set_error(error, EXIT_IO, &
+        'Result file ' // store%path // ': its frames do not fit the model.')
     end associate
   end subroutine open_frames
 
@@ -223,7 +336,7 @@ contains
 
 
   !> Writes a converged increment (or the initial state, increment 0): its history row and, if file_frequency of its step
-  !! selects it (the initial state always), its fields. Then flushes the file.
+  !! selects it (the initial state always), its fields. Then flushes the file. A partition gets fields alone.
   subroutine write_increment(results, model, fields, record, error)
     type(results_type), intent(inout) :: results
     type(model_type), intent(in) :: model
@@ -238,6 +351,11 @@ contains
       end associate
     end if
     if (is_due) call write_frame(results, model, fields, nodal_slaves(model, fields%slaves), error)
+    if (results%content == CONTENT_PARTITION) then
+      if (is_due .and. .not. allocated(error)) call flush_hdf5(results%store, error)
+      if (allocated(error)) call abandon(results)
+      return
+    end if
     if (.not. allocated(error) .and. size(model%pairs) > 0) call write_pair_sums(results, model, fields, record, error)
     if (allocated(error)) then
       call abandon(results)
@@ -337,10 +455,10 @@ contains
       if (allocated(error)) return
       form = hdf5_layout_type(storage=STORAGE_I64, is_matrix=STEP_IS_MATRIX(i))
       call create_table(results%store, results%constant(i), '/VTKHDF/Steps/' // trim(STEP_TABLES(i)), form, '[-]', &
-        'The same mesh, in one part, for all frames.', error)
+        'The same mesh for all frames.', error)
     end do
-    if (.not. allocated(error)) call create_columns(results%store, '/VTKHDF/PointData', results%point_columns, &
-      results%n_nodes, results%point, error)
+    if (.not. allocated(error)) call create_field_columns(results, '/VTKHDF/PointData', results%point_columns, 1, results%n_nodes, &
+      results%point, error)
     if (.not. allocated(error)) call create_group(results%store, '/VTKHDF/Steps/PointDataOffsets', error)
     allocate (results%point_offset(size(results%point_columns)))
     do i = 1, size(results%point_columns)
@@ -350,9 +468,26 @@ contains
         'First row of each frame.', error)
     end do
     if (.not. allocated(error)) call create_group(results%store, '/AMONTONS', error)
-    if (.not. allocated(error)) call create_columns(results%store, '/AMONTONS/integration_points', &
-      results%integration_columns, results%n_points, results%integration, error)
+    if (.not. allocated(error)) call create_field_columns(results, '/AMONTONS/integration_points', results%integration_columns, 4, &
+      results%n_points, results%integration, error)
   end subroutine create_frames
+
+
+  !> Tables of fields, which a file that ties partitions takes from them.
+  subroutine create_field_columns(results, folder, columns, size_row, n_rows, tables, error)
+    type(results_type), intent(in) :: results
+    character(*), intent(in) :: folder
+    type(result_column_type), intent(in) :: columns(:)
+    integer, intent(in) :: size_row                 !< row of results%sizes
+    integer, intent(in) :: n_rows                   !< in a frame
+    type(hdf5_table_type), allocatable, intent(inout) :: tables(:)
+    type(error_type), allocatable, intent(out) :: error
+    if (results%content == CONTENT_TIED) then
+      call create_virtual_columns(results%store, folder, columns, results%sources, results%sizes(size_row, :), error)
+    else
+      call create_columns(results%store, folder, columns, n_rows, tables, error)
+    end if
+  end subroutine create_field_columns
 
 
   !> The columns of the nodes: LE in place of E under NLGEOM, and those of shells and beams.
@@ -400,38 +535,59 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: reals(:, :), contact_reals(:, :)
     integer, allocatable :: integers(:, :), contact_integers(:, :)
-    if (.not. allocated(results%contact)) call create_contact(results, slaves, error)
-    if (allocated(error)) return
-    if (size(slaves) /= results%n_slaves) then
-      call set_error(error, EXIT_INTERNAL, 'The number of slave nodes has changed since the first increment.')
-      return
+    if (results%content /= CONTENT_PARTITION) then
+      if (.not. allocated(results%contact)) call create_contact(results, slaves, model%mesh%n_nodes, error)
+      if (allocated(error)) return
+      if (size(slaves) /= results%n_slaves) then
+        call set_error(error, EXIT_INTERNAL, 'The number of slave nodes has changed since the first increment.')
+        return
+      end if
     end if
+    if (results%content /= CONTENT_TIED) then
+      call check_points(results, fields, error)
+      if (.not. allocated(error)) call pack_nodes(results, model, fields, slaves, reals, integers, error)
+      if (allocated(error)) return
+    end if
+    if (results%content /= CONTENT_PARTITION) then
+      call pack_slaves(slaves, contact_integers, contact_reals)
+      call check_finite('slave', CONTACT_COLUMNS, contact_reals, error)
+      if (allocated(error)) return
+    end if
+    associate (store => results%store)
+      if (results%content /= CONTENT_TIED) then
+        call append_columns(store, results%point_columns, integers, reals, results%point, error)
+        deallocate (integers, reals)
+        if (.not. allocated(error)) call append_points(results, fields, error)
+      end if
+      if (results%content /= CONTENT_PARTITION .and. .not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, &
+        contact_integers, contact_reals, results%contact, error)
+    end associate
+    if (.not. allocated(error)) call write_step(results, fields%total_time, error)
+  end subroutine write_frame
+
+
+  !> The fields at the nodes of the file, then at the points of analytic surfaces.
+  subroutine pack_nodes(results, model, fields, slaves, reals, integers, error)
+    type(results_type), intent(in) :: results
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    type(slave_state_type), intent(in) :: slaves(:)
+    real(DP), allocatable, intent(out) :: reals(:, :)     !< (widths of the real columns, n_nodes)
+    integer, allocatable, intent(out) :: integers(:, :)   !< (N_POINT_INTEGERS, n_nodes)
+    type(error_type), allocatable, intent(out) :: error
     allocate (reals(sum(results%point_columns%width, mask=.not. results%point_columns%is_integer), results%n_nodes), &
       integers(N_POINT_INTEGERS, results%n_nodes))
-    call check_points(results, fields, error)
-    if (allocated(error)) return
-    associate (n => model%mesh%n_nodes)
-      call point_fields(model, fields, slaves, results%no_projection_gap, reals(:N_POINT_REALS, :n), integers(:, :n))
-      if (size(reals, 1) > N_POINT_REALS) call pack_structure(model, fields, reals(N_POINT_REALS + 1:, :n))
+    associate (n => size(results%order%nodes))
+      call point_fields(model, results%selection, fields, slaves, results%no_projection_gap, reals(:N_POINT_REALS, :n), &
+        integers(:, :n))
+      if (size(reals, 1) > N_POINT_REALS) call structure_fields(model, results%selection, fields, reals(N_POINT_REALS + 1:, :n))
       reals(:, n + 1:) = 0.0_DP
       reals(:3, n + 1:) = drawn_displacements(results%drawn, fields%u)
       integers(:, n + 1:) = 0
       integers(1, n + 1:) = STATUS_NO_SLAVE
     end associate
-    call check_finite('node', results%point_columns, reals, error)
-    if (allocated(error)) return
-    call pack_slaves(slaves, contact_integers, contact_reals)
-    call check_finite('slave', CONTACT_COLUMNS, contact_reals, error)
-    if (allocated(error)) return
-    associate (store => results%store)
-      call append_columns(store, results%point_columns, integers, reals, results%point, error)
-      deallocate (integers, reals)
-      if (.not. allocated(error)) call append_points(results, fields, error)
-      if (.not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, contact_integers, contact_reals, &
-        results%contact, error)
-    end associate
-    if (.not. allocated(error)) call write_step(results, fields%total_time, error)
-  end subroutine write_frame
+    call check_finite('node', results%point_columns, reals, error, results%order%nodes)
+  end subroutine pack_nodes
 
 
   !> Sets an error if a value at an integration point is NaN or infinite.
@@ -443,9 +599,9 @@ contains
     associate (columns => results%integration_columns)
       call check_finite(WHERE, columns(1:1), fields%stress, error)
       if (.not. allocated(error)) call check_finite(WHERE, columns(2:2), fields%strain, error)
-      if (.not. allocated(error)) call check_finite(WHERE, columns(3:3), reshape(fields%energy, [1, results%n_points]), error)
+      if (.not. allocated(error)) call check_finite(WHERE, columns(3:3), reshape(fields%energy, [1, size(fields%energy)]), error)
       if (allocated(error) .or. size(fields%history, 1) == 0) return
-      call check_finite(WHERE, columns(4:4), reshape(history_variable(fields, HISTORY_PEEQ), [1, results%n_points]), error)
+      call check_finite(WHERE, columns(4:4), reshape(history_variable(fields, HISTORY_PEEQ), [1, size(fields%energy)]), error)
       if (.not. allocated(error) .and. size(columns) > 4) call check_finite(WHERE, columns(5:), &
         fields%history(USER_STATE:, :), error)
     end associate
@@ -457,28 +613,47 @@ contains
     type(results_type), intent(inout) :: results
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
-    associate (store => results%store, table => results%integration)
-      call append_rows(store, table(1), fields%stress, error)
-      if (.not. allocated(error)) call append_rows(store, table(2), fields%strain, error)
-      if (.not. allocated(error)) call append_rows(store, table(3), reshape(fields%energy, [1, results%n_points]), error)
-      if (.not. allocated(error)) call append_rows(store, table(4), &
-        reshape(history_variable(fields, HISTORY_PEEQ), [1, results%n_points]), error)
-      if (.not. allocated(error) .and. size(table) > 4) call append_rows(store, table(5), (fields%history(USER_STATE:, :)), error)
+    integer :: n
+    n = size(fields%energy)
+    associate (table => results%integration)
+      call append_values(results, table(1), fields%stress, error)
+      if (.not. allocated(error)) call append_values(results, table(2), fields%strain, error)
+      if (.not. allocated(error)) call append_values(results, table(3), reshape(fields%energy, [1, n]), error)
+      if (.not. allocated(error)) call append_values(results, table(4), reshape(history_variable(fields, HISTORY_PEEQ), [1, n]), &
+        error)
+      if (.not. allocated(error) .and. size(table) > 4) call append_values(results, table(5), fields%history(USER_STATE:, :), error)
     end associate
   end subroutine append_points
 
 
+  !> Appends values at the integration points of the file.
+  subroutine append_values(results, table, values, error)
+    type(results_type), intent(in) :: results
+    type(hdf5_table_type), intent(inout) :: table
+    real(DP), intent(in) :: values(:, :)            !< (width, points of the model)
+    type(error_type), allocatable, intent(out) :: error
+    if (allocated(results%point_index)) then
+      call append_rows(results%store, table, values(:, results%point_index), error)
+    else
+      call append_rows(results%store, table, values, error)
+    end if
+  end subroutine append_values
+
+
   !> Creates the contact tables, with pair and node of each row.
-  subroutine create_contact(results, slaves, error)
+  subroutine create_contact(results, slaves, n_nodes, error)
     type(results_type), intent(inout) :: results
     type(slave_state_type), intent(in) :: slaves(:)
+    integer, intent(in) :: n_nodes                  !< of the model
     type(error_type), allocatable, intent(out) :: error
+    integer :: place(n_nodes)
+    place = first_places(results%order%nodes, n_nodes)
     results%n_slaves = size(slaves)
     call create_columns(results%store, '/AMONTONS/contact', CONTACT_COLUMNS, max(1, size(slaves)), &
       results%contact, error)
     if (.not. allocated(error)) call write_data(results%store, '/AMONTONS/contact/pair', slaves%pair - 1, '[-]', &
       'Pair of each slave node.', error)
-    if (.not. allocated(error)) call write_data(results%store, '/AMONTONS/contact/node', slaves%node - 1, '[-]', &
+    if (.not. allocated(error)) call write_data(results%store, '/AMONTONS/contact/node', place(slaves%node) - 1, '[-]', &
       'Node of each slave node.', error)
   end subroutine create_contact
 
@@ -488,11 +663,15 @@ contains
     type(results_type), intent(inout) :: results
     real(DP), intent(in) :: time                    !< total time [time]
     type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: values(size(STEP_TABLES))
     integer :: i
+    values = 0
+    values(STEP_PARTITIONS) = 1
+    if (results%content == CONTENT_TIED) values(STEP_PARTITIONS) = size(results%sizes, 2, kind=I64)
     associate (store => results%store)
       call append_rows(store, results%time, reshape([time], [1, 1]), error)
       do i = 1, size(results%constant)
-        if (.not. allocated(error)) call append_rows(store, results%constant(i), STEP_VALUES(i), error)
+        if (.not. allocated(error)) call append_rows(store, results%constant(i), values(i), error)
       end do
       do i = 1, size(results%point_offset)
         if (.not. allocated(error)) call append_rows(store, results%point_offset(i), &
@@ -502,154 +681,6 @@ contains
     end associate
     if (.not. allocated(error)) results%n_frames = results%n_frames + 1
   end subroutine write_step
-
-
-  !> The fields at the nodes in the order of the file, one below the other.
-  subroutine point_fields(model, fields, slaves, no_projection_gap, reals, integers)
-    type(model_type), intent(in) :: model
-    type(fields_type), intent(in) :: fields
-    type(slave_state_type), intent(in) :: slaves(:)       !< as nodal_slaves gives them
-    real(DP), intent(in) :: no_projection_gap                     !< COPEN without a facet [length]
-    real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
-    integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes) likewise
-    integer, allocatable :: midside_nodes(:, :)
-    integer :: i, cpress(2), cshear(2), cslip(2)
-    cpress = field_rows('CPRESS')
-    cshear = field_rows('CSHEAR')
-    cslip = field_rows('CSLIP')
-    call pack_solid(model%mesh, absent_elements(model, fields%step), fields, reals)
-    call pack_contact(slaves, no_projection_gap, reals, integers)
-    call fill_midside_values(model, slaves, cpress(1), cshear(2), reals)
-    call list_midside_nodes(model, slaves, midside_nodes)
-    do i = 1, size(midside_nodes, 2)                   ! pressure, friction, gap and slip; the forces are those of the corners
-      associate (node => midside_nodes(1, i), ends => midside_nodes(2:3, i))
-        reals(cpress(1):cslip(2), node) = 0.5_DP * sum(reals(cpress(1):cslip(2), ends), dim=2)
-        integers(1, node) = maxval(integers(1, ends))
-      end associate
-    end do
-  end subroutine point_fields
-
-
-  !> Rotations, section forces and moments at the nodes of the deck and at those into which they expand.
-  subroutine pack_structure(model, fields, reals)
-    type(model_type), intent(in) :: model
-    type(fields_type), intent(in) :: fields
-    real(DP), intent(out) :: reals(:, :)            !< (12, n_nodes) in the order of STRUCTURE_COLUMNS
-    real(DP), allocatable :: forces(:, :)
-    integer :: n_elements_of(size(reals, 2)), e, i
-    allocate (forces(N_SECTION_FORCES, model%mesh%n_elements))
-    reals = 0
-    n_elements_of = 0
-    call find_node_rotations(model, fields, reals(:3, :))
-    call find_section_forces(model, fields, forces)
-    associate (structure => model%structure)
-      do e = 1, model%mesh%n_elements
-        if (structure%section(e) == 0 .or. model%mesh%layer(e) > 1 .or. is_out(model, fields%step, e)) cycle
-        associate (nodes => structure%nodes(structure%first(e):structure%first(e + 1) - 1))
-          n_elements_of(nodes) = n_elements_of(nodes) + 1
-          do i = 1, size(nodes)
-            reals(4:, nodes(i)) = reals(4:, nodes(i)) + (forces(:, e) - reals(4:, nodes(i))) / real(n_elements_of(nodes(i)), DP)
-          end do
-        end associate
-      end do
-      do i = 1, size(structure%directors)
-        associate (director => structure%directors(i))
-          reals(4:, director%nodes) = spread(reals(4:, director%node), 2, size(director%nodes))
-        end associate
-      end do
-    end associate
-  end subroutine pack_structure
-
-
-  !> Displacement, reaction, stress, strain, Mises stress, plastic strain and temperature of all nodes.
-  subroutine pack_solid(mesh, is_absent, fields, reals)
-    type(mesh_type), intent(in) :: mesh
-    logical, intent(in) :: is_absent(:)            !< (n_elements) taken out
-    type(fields_type), intent(in) :: fields
-    real(DP), intent(out) :: reals(:, :)            !< (N_POINT_REALS, n_nodes) in the order of POINT_COLUMNS
-    integer :: u(2), rf(2), s(2), e(2), mises(2), peeq(2), nt(2), i
-    u = field_rows('U')
-    rf = field_rows('RF')
-    s = field_rows('S')
-    e = field_rows('E')
-    mises = field_rows('S_mises')
-    peeq = field_rows('PEEQ')
-    nt = field_rows('NT')
-    reals = 0                                       ! columns of slave nodes elsewhere, and PEEQ without plasticity
-    reals(u(1):u(2), :) = fields%u
-    reals(rf(1):rf(2), :) = fields%reaction_force
-    !$omp parallel sections
-    !$omp section
-    call average_at_nodes(mesh, is_absent, fields%stress, reals(s(1):s(2), :))
-    !$omp section
-    call average_at_nodes(mesh, is_absent, fields%strain, reals(e(1):e(2), :))
-    !$omp end parallel sections
-    !$omp parallel do schedule(static)
-    do i = 1, mesh%n_nodes
-      reals(mises(1), i) = von_mises(reals(s(1):s(2), i))
-    end do
-    !$omp end parallel do
-    if (size(fields%history, 1) > 0) call average_at_nodes(mesh, is_absent, &
-      reshape(history_variable(fields, HISTORY_PEEQ), [1, mesh%n_points]), reals(peeq(1):peeq(2), :))
-    reals(nt(1), :) = fields%temperature(:size(reals, 2))
-  end subroutine pack_solid
-
-
-  !> The contact columns of the point data. A slave node of two pairs has the values of the pair with precedence.
-  subroutine pack_contact(slaves, no_projection_gap, reals, integers)
-    type(slave_state_type), intent(in) :: slaves(:)
-    real(DP), intent(in) :: no_projection_gap                     !< COPEN without a facet [length]
-    real(DP), intent(inout) :: reals(:, :)          !< (N_POINT_REALS, n_nodes)
-    integer, intent(out) :: integers(:, :)          !< (N_POINT_INTEGERS, n_nodes)
-    integer :: drawn(size(reals, 2)), i, node
-    integer :: cpress(2), cshear(2), copen(2), cslip(2), cnormf(2), cshearf(2)
-    cpress = field_rows('CPRESS')
-    cshear = field_rows('CSHEAR')
-    copen = field_rows('COPEN')
-    cslip = field_rows('CSLIP')
-    cnormf = field_rows('CNORMF')
-    cshearf = field_rows('CSHEARF')
-    drawn = 0
-    do i = 1, size(slaves)
-      node = slaves(i)%node
-      if (drawn(node) == 0) then
-        drawn(node) = i
-      else if (has_precedence(slaves(i), slaves(drawn(node)))) then
-        drawn(node) = i
-      end if
-    end do
-    integers = 0
-    integers(1, :) = STATUS_NO_SLAVE
-    do node = 1, size(drawn)
-      if (drawn(node) == 0) cycle
-      associate (slave => slaves(drawn(node)))
-        if (slave%area > 0) then
-          reals(cpress(1), node) = dot_product(slave%force, slave%normal) / slave%area
-          reals(cshear(1):cshear(2), node) = slave%shear / slave%area
-        end if
-        reals(copen(1), node) = merge(slave%gap, no_projection_gap, slave%facet > 0)
-        reals(cslip(1):cslip(2), node) = slave%slip
-        reals(cnormf(1):cnormf(2), node) = slave%force
-        reals(cshearf(1):cshearf(2), node) = slave%shear
-        integers(:, node) = [slave%status, slave%scenario]
-      end associate
-    end do
-  end subroutine pack_contact
-
-
-  !> Precedence of slave a over b at a node: closed before open; if both are closed the larger force; if both are open the smaller
-  !! gap; if equal up to rounding the pair that comes first in the deck.
-  pure function has_precedence(a, b) result(is_more)
-    type(slave_state_type), intent(in) :: a, b
-    logical :: is_more
-    if ((a%status == STATUS_OPEN) .neqv. (b%status == STATUS_OPEN)) then
-      is_more = b%status == STATUS_OPEN
-    else if (a%status /= STATUS_OPEN) then
-      is_more = norm2(a%force) > (1 + TOL_EQUAL_VALUE) * norm2(b%force)
-    else
-      is_more = a%facet > 0 .and. (b%facet == 0 .or. a%gap < b%gap - TOL_EQUAL_VALUE * abs(b%gap))
-    end if
-  end function has_precedence
 
 
   !> The contact state of all slaves in the order of CONTACT_COLUMNS.

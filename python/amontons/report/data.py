@@ -12,6 +12,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from amontons.results import joined_cells
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Table = dict[str, NDArray]
@@ -111,10 +113,10 @@ def read_job(path: Path) -> Job:
             raise ValueError(f"{path} is not a result file of Amontons: it has no groups VTKHDF and AMONTONS.")
         grid, ours = file["VTKHDF"], file["AMONTONS"]
         n_frames = int(grid["Steps"].attrs["NSteps"])
-        n = int(grid["NumberOfPoints"][0])
+        n = int(grid["NumberOfPoints"][:].sum())
         data = grid["PointData"]
         fields = {name: data[name][: n_frames * n].reshape(n_frames, n, *data[name].shape[1:]) for name in data}
-        cells = grid["Connectivity"][:], grid["Offsets"][:], grid["Types"][:]
+        cells = joined_cells(grid, ours["mesh/node_label"][:])
         contact = ours.get("contact", {})
         n_slaves = len(contact["node"]) if "node" in contact else 0
         return Job(

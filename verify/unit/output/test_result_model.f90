@@ -12,6 +12,7 @@ program test_result_model
   use amontons_mesh, only: finalize_mesh, mesh_type, set_type
   use amontons_model, only: model_type
   use amontons_result_model, only: drawn_surfaces_type, draw_analytic_surfaces, drawn_displacements, write_grid, write_model_data
+  use amontons_result_partitions, only: partition_type
   use amontons_shape_functions, only: node_coordinates
   use amontons_state, only: fields_type, STATUS_OPEN, STATUS_SLIP, STATUS_STICK
   use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, N_SOLID_KINDS
@@ -134,7 +135,8 @@ contains
     call suite%that('grid', .not. allocated(error))
     call create_group(store, '/AMONTONS', error)
     call create_group(store, '/AMONTONS/integration_points', error)
-    call write_model_data(store, model, error)
+    call write_model_data(store, model, model%mesh, partition_type(elements=[(n, n=1, model%mesh%n_elements)], &
+      nodes=[(n, n=1, model%mesh%n_nodes)]), error)
     call suite%that('model', .not. allocated(error))
     call write_grid(store, model%mesh, drawn, error)
     call suite%that('once', allocated(error))
