@@ -17,7 +17,7 @@ module amontons_nodal_fields
   use amontons_postprocess, only: average_at_nodes, find_edge_corners
   implicit none
   private
-  public :: node_selection_type, select_all_nodes, select_nodes, add_edge_corners
+  public :: node_selection_type, select_all_nodes, select_nodes, list_slave_edges
   public :: point_fields, structure_fields, list_midside_nodes, fill_midside_values, STATUS_NO_SLAVE
 
   !> Some nodes of a mesh.
@@ -60,19 +60,26 @@ contains
   end function select_nodes
 
 
-  !> Marks also the corners beside the marked mid-side nodes of slave faces, from which the contact fields there follow.
-  subroutine add_edge_corners(model, is_selected)
+  !> The mid-side nodes of the faces of all slave surfaces with the corners beside them, from which the contact fields there follow.
+  subroutine list_slave_edges(model, edges)
     type(model_type), intent(in) :: model
-    logical, intent(inout) :: is_selected(:)      !< (n_nodes)
-    integer, allocatable :: ends(:, :)
-    integer :: p, i
+    integer, allocatable, intent(out) :: edges(:, :)   !< (3, n) node, two corners; a node of several surfaces comes as often
+    integer, allocatable :: ends(:, :), longer(:, :)
+    integer :: p, i, n
+    allocate (edges(3, 0))
     do p = 1, size(model%pairs)
       call find_edge_corners(model, model%pairs(p)%slave, .false., ends)
+      n = size(edges, 2)
+      allocate (longer(3, n + count(ends(1, :) > 0)))
+      longer(:, :n) = edges
       do i = 1, size(ends, 2)
-        if (is_selected(i) .and. ends(1, i) > 0) is_selected(ends(:, i)) = .true.
+        if (ends(1, i) == 0) cycle
+        n = n + 1
+        longer(:, n) = [i, ends(:, i)]
       end do
+      call move_alloc(longer, edges)
     end do
-  end subroutine add_edge_corners
+  end subroutine list_slave_edges
 
 
   !> The fields at the selected nodes in the order of the file, one below the other. Corners beside mid-side nodes of slave faces

@@ -5,11 +5,12 @@
 !! partition is complete. METIS divides the elements of the mesh alone: the partitions depend neither on the number of ranks nor on
 !! the time. Nodes without elements are dealt out in the order of the deck; analytic surfaces are drawn in the last partition.
 module amontons_result_partitions
+  use amontons_containers, only: sort_integers
   use amontons_errors, only: error_type
   use amontons_mesh, only: mesh_type, set_type
   use amontons_model, only: model_type
   use amontons_graph_partition, only: partition_mesh
-  use amontons_nodal_fields, only: add_edge_corners
+  use amontons_nodal_fields, only: list_slave_edges
   implicit none
   private
   public :: partition_type, divide_model, join_partitions, extract_mesh, first_places, partition_ending, writing_rank
@@ -24,45 +25,98 @@ module amontons_result_partitions
 
 contains
 
-  !> Divides the model. Cost: METIS, n log n. Errors: those of METIS.
+  !> Divides the model. Cost: METIS and sorting, n log n. Errors: those of METIS.
   subroutine divide_model(model, n_wanted, partitions, error)
     type(model_type), intent(in) :: model
     integer, intent(in) :: n_wanted               !< there are fewer where some would have no element
     type(partition_type), allocatable, intent(out) :: partitions(:)
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: part(:), number(:)
-    logical, allocatable :: is_in(:)
-    integer :: i, p, n
+    integer :: p, n
     associate (mesh => model%mesh)
       call partition_mesh(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, n_wanted, part, error=error)
-      if (allocated(error)) return
-      allocate (number(n_wanted), source=0)
-      number(part) = 1
-      n = 0
-      do p = 1, n_wanted
-        n = n + number(p)
-        number(p) = n
-      end do
-      n = max(1, n)
-      allocate (partitions(n), is_in(mesh%n_nodes))
-      do p = 1, n
-        partitions(p)%elements = pack([(i, i=1, mesh%n_elements)], number(part) == p)
-        is_in = .false.
-        do i = 1, size(partitions(p)%elements)
-          associate (e => partitions(p)%elements(i))
-            is_in(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
-            partitions(p)%n_points = partitions(p)%n_points + mesh%point_first(e + 1) - mesh%point_first(e)
-            partitions(p)%n_ids = partitions(p)%n_ids + mesh%first(e + 1) - mesh%first(e)
-          end associate
+    end associate
+    if (allocated(error)) return
+    allocate (number(n_wanted), source=0)
+    number(part) = 1
+    n = 0
+    do p = 1, n_wanted
+      n = n + number(p)
+      number(p) = n
+    end do
+    allocate (partitions(max(1, n)))
+    call list_elements(model%mesh, number(part), partitions)
+    call list_nodes(model, partitions)
+  end subroutine divide_model
+
+
+  !> The elements of each partition, ascending, and the numbers of their points and nodes.
+  pure subroutine list_elements(mesh, part, partitions)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: part(:)                !< (n_elements) from 1
+    type(partition_type), intent(inout) :: partitions(:)
+    integer :: n(size(partitions)), p, e
+    n = 0
+    do e = 1, size(part)
+      n(part(e)) = n(part(e)) + 1
+    end do
+    do p = 1, size(partitions)
+      allocate (partitions(p)%elements(n(p)))
+    end do
+    n = 0
+    do e = 1, size(part)
+      p = part(e)
+      n(p) = n(p) + 1
+      partitions(p)%elements(n(p)) = e
+      partitions(p)%n_points = partitions(p)%n_points + mesh%point_first(e + 1) - mesh%point_first(e)
+      partitions(p)%n_ids = partitions(p)%n_ids + mesh%first(e + 1) - mesh%first(e)
+    end do
+  end subroutine list_elements
+
+
+  !> The nodes of each partition, ascending: those of its elements, its share of the nodes without elements, and the corners beside
+  !! its mid-side nodes of slave faces.
+  subroutine list_nodes(model, partitions)
+    type(model_type), intent(in) :: model
+    type(partition_type), intent(inout) :: partitions(:)
+    integer, allocatable :: idle(:), edges(:, :)
+    integer :: marker(model%mesh%n_nodes), list(model%mesh%n_nodes), p, e, i, n
+    call list_slave_edges(model, edges)
+    marker = 0
+    associate (mesh => model%mesh)
+      idle = pack([(i, i=1, mesh%n_nodes)], .not. mesh%has_elements)
+      do p = 1, size(partitions)
+        n = 0
+        do e = 1, size(partitions(p)%elements)
+          do i = mesh%first(partitions(p)%elements(e)), mesh%first(partitions(p)%elements(e) + 1) - 1
+            call add(mesh%nodes(i))
+          end do
         end do
-        do i = 1, mesh%n_nodes
-          if (.not. mesh%has_elements(i)) is_in(i) = mod(i, n) + 1 == p
+        do i = p, size(idle), size(partitions)
+          call add(idle(i))
         end do
-        call add_edge_corners(model, is_in)
-        partitions(p)%nodes = pack([(i, i=1, mesh%n_nodes)], is_in)
+        do i = 1, size(edges, 2)
+          if (marker(edges(1, i)) /= p) cycle
+          call add(edges(2, i))
+          call add(edges(3, i))
+        end do
+        partitions(p)%nodes = list(:n)
+        call sort_integers(partitions(p)%nodes)
       end do
     end associate
-  end subroutine divide_model
+
+  contains
+
+    !> A node that this partition may have already.
+    subroutine add(node)
+      integer, intent(in) :: node
+      if (marker(node) == p) return
+      marker(node) = p
+      n = n + 1
+      list(n) = node
+    end subroutine add
+
+  end subroutine list_nodes
 
 
   !> All partitions, one after the other: the order of the file that ties them. Nodes of several partitions come as often.

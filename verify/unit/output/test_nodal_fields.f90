@@ -8,7 +8,7 @@ program test_nodal_fields
   use amontons_state, only: fields_type, STATUS_SLIP, STATUS_STICK
   use amontons_shape_functions, only: node_coordinates
   use amontons_result_schema, only: field_rows, N_POINT_INTEGERS, N_POINT_REALS
-  use amontons_nodal_fields, only: node_selection_type, select_all_nodes, select_nodes, add_edge_corners, point_fields, &
+  use amontons_nodal_fields, only: node_selection_type, select_all_nodes, select_nodes, list_slave_edges, point_fields, &
     list_midside_nodes, fill_midside_values, STATUS_NO_SLAVE
   use check, only: suite_type
   implicit none
@@ -135,7 +135,7 @@ contains
     type(element_kind_type) :: entry
     logical, allocatable :: is_in(:)
     real(DP), allocatable :: whole(:, :), part(:, :), values(:, :)
-    integer, allocatable :: numbers(:, :), part_numbers(:, :), midside(:, :)
+    integer, allocatable :: numbers(:, :), part_numbers(:, :), midside(:, :), edges(:, :)
     integer :: corners(4), middle, i, rows(2)
     call make_row(KIND_C3D20, model)
     entry = element_kind(KIND_C3D20)
@@ -169,9 +169,10 @@ contains
     call list_midside_nodes(model, fields%slaves, midside)
     call suite%that('four mid-side nodes', size(midside, 2) == 4)
     allocate (is_in(model%mesh%n_nodes), source=.false.)
-    is_in(middle) = .true.
-    call add_edge_corners(model, is_in)
-    call suite%that('with its corners', count(is_in) == 3 .and. all(is_in(corners(:2))))
+    call list_slave_edges(model, edges)
+    i = findloc(edges(1, :), middle, dim=1)
+    call suite%that('four edges, one of them with its corners', size(edges, 2) == 4 .and. all(edges(2:, i) == corners(:2)))
+    is_in(edges(:, i)) = .true.
     some = select_nodes(model%mesh, is_in)
     allocate (part(N_POINT_REALS, 3), part_numbers(N_POINT_INTEGERS, 3))
     call point_fields(model, some, fields, fields%slaves, FAR, part, part_numbers)
