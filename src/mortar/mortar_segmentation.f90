@@ -18,10 +18,12 @@ module amontons_mortar_segmentation
   public :: projection_plane_type, mortar_segment_type, segment_points_type, segmentation_type, build_segmentation, &
     build_projection_plane, build_projection_planes, project_on_plane, project_facet_corners, is_facing_plane, &
     find_depth, is_unseen_facet, integrate_segments, keep_segmentation, choose_quadrature_order
-  public :: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
+  public :: MIN_FACING_COSINE, MIN_ROW_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
 
   real(DP), parameter :: MIN_FACING_COSINE = 0.2_DP  !< least cosine between the slave normal and the opposite of a master normal
                                                      !! [-]
+  real(DP), parameter :: MIN_ROW_COSINE = 0.5_DP     !< the same of facets in a row: dual functions are negative in parts, so that
+                                                     !! steeper ones close the row while all of it is apart [-]
   real(DP), parameter :: MAX_SEGMENT_OVERLAP = 1.0e-6_DP  !< segments with a larger overlap, over the area of the facet, lie one
                                                           !! behind the other [-]
   real(DP), parameter :: MIN_SEGMENT_AREA = 1.0e-10_DP       !< smaller intersections, over the area of the facet, are ignored [-]
@@ -256,7 +258,7 @@ contains
     real(DP), intent(in) :: search_distance                  !< from the plane [length]
     real(DP) :: distance
     distance = dot_product(other%origin - plane%origin, plane%normal)
-    is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_FACING_COSINE .and. abs(distance) <= search_distance
+    is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_ROW_COSINE .and. abs(distance) <= search_distance
     if (search_distance < huge(1.0_DP)) is_facing_plane = is_facing_plane .and. .not. is_hidden_behind(master, g, distance)
   end function is_facing_plane
 

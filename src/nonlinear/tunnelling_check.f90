@@ -8,7 +8,7 @@ module amontons_tunnelling_check
   use amontons_contact_constraint_rows, only: contact_row_type, fill_facet_row, evaluate_relative_position
   use amontons_analytic_master, only: evaluate_profile_bending
   use amontons_contact_pairs, only: contact_type, current_row, SEARCH_RADIUS_RATIO
-  use amontons_mortar_segmentation, only: MIN_FACING_COSINE
+  use amontons_mortar_segmentation, only: MIN_ROW_COSINE
   use amontons_facet_crossing, only: plane_normal, is_inside_facet
   use amontons_facets, only: facets_type, facet_nodes, is_line_facet, is_unseen
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
@@ -192,7 +192,7 @@ contains
     behind = -dot_product(normal, x_new(:, node) - centre)
     if (before <= MIN_FRONT_DISTANCE * facets%edge_length(f)) return
     if (behind <= maxval(abs(matmul(normal, x_new(:, nodes(:n)) - spread(centre, 2, n))))) return
-    if (dot_product(normal, facing) > MIN_FACING_COSINE .and. behind <= SEARCH_RADIUS_RATIO * facets%edge_length(f)) return
+    if (dot_product(normal, facing) > MIN_ROW_COSINE .and. behind <= SEARCH_RADIUS_RATIO * facets%edge_length(f)) return
     if (is_inside_facet(start + before / (before + behind) * path, corner(:, :m), normal, is_line_facet(facets%kind(f)))) &
       steepness = (before + behind) / norm2(path)
   end function crossing_steepness

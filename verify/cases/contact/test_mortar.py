@@ -6,6 +6,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -14,8 +15,10 @@ from numpy.typing import NDArray
 
 from verify.cases.contact import test_hertz, test_sliding
 from verify.cases.proof import Case
+from verify.conftest import Run
 from verify.decks import make_decks, solids
-from verify.decks.sheets import between
+from verify.decks.grids import bodies_deck, grid
+from verify.decks.sheets import between, fix, pair, step
 
 Proof = Callable[..., Case]
 Floats = NDArray[np.float64]
@@ -402,3 +405,28 @@ def test_bent_over_edge(proof: Proof) -> None:
     case.near("force of the pair", sums["CFN"], reaction.sum(axis=0), 5e-3, scale=scale, why="the tolerance of Newton's method", place="the base of the block", time="1")
     case.near("moment of the pair", sums["CMN"], moment, 5e-3, scale=10 * scale, why="the same, times the length of the beam", place="the base of the block", time="1")
     case.done()
+
+
+@pytest.mark.parametrize("angle", [62.0, 70.0, 77.0])
+@pytest.mark.parametrize("place", [2.1, 2.2, 2.3])
+def test_no_force_beside_a_steep_flank(run: Run, tmp_path: Path, angle: float, place: float) -> None:
+    """A coarse slave stays a twentieth above a block whose steep flank begins below one of its faces. Bodies that are apart have no force,
+    although the dual functions are negative where the gap is large.
+    """
+    gap, drop, low = 0.05, 1.0, 0.3
+    flank = [place, place + drop / np.tan(np.radians(angle))]
+    lines = np.concatenate([between(0.8, place, 3), between(*flank, 2)[1:], between(flank[1], 4.5, 4)[1:]])
+
+    def block(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        return s, -2 + (2 - low - drop * np.interp(s, flank, [0, 1])) * t
+
+    bodies = [(grid("PLATE", between(0, 4, 10), between(0, 0.4, 1)), "*ELASTIC\n1000., 0.3\n"),
+              (grid("BLOCK", lines, between(0, 1, 2), place=block), "*ELASTIC\n9000., 0.3\n")]  # fmt: skip
+    supports = fix("BLOCK_T0, 1, 2", "PLATE_T1, 1", f"PLATE_T1, 2, 2, {gap - low}")
+    cards = pair("PLATE_T0", "BLOCK_T1", options=", TYPE=SURFACE TO SURFACE") + step(supports, 4, is_nlgeom=True)
+    (tmp_path / "flank.inp").write_text(bodies_deck(bodies, "CPE4", cards))
+    done = run(["--outdir", tmp_path, tmp_path / "flank.inp"], tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with h5py.File(tmp_path / "flank.vtkhdf") as file:
+        assert np.abs(np.asarray(file["VTKHDF/PointData/CPRESS"])).max() == 0.0
+        assert np.abs(np.asarray(file["VTKHDF/PointData/RF"])).max() <= 1e-9, "rounding, of forces of 1"
