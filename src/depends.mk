@@ -260,12 +260,13 @@ uses_results = kinds errors iteration_records materials mesh steps model state h
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver
+uses_contact_checks = model state body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
 uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_partition_files = kinds errors iteration_records mpi_ranks model state hdf5_file result_partitions results
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output result_partitions results text_output driven_loads partition_files
-uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes driven_slaves unpaired_contact unpaired_crossing arc_length equilibrium model_check_motion balanced_bodies model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output user_routine_setup model_setup driven_loads job_files
+uses_analysis = kinds text errors failure iteration_records posix logger version dense factorization mpi_ranks distributed_two_level user_routines restart_file steps model deck state model_change user_state assembly inertia stabilization user_element_forces slave_nodes arc_length equilibrium model_check_motion balanced_bodies model_check active_set_history convergence contact_rounds failure_messages globalization newton failure_report increment_control checkpoint postprocess text_output contact_checks user_routine_setup model_setup driven_loads job_files
 uses_job_query = kinds text containers errors element_kinds materials mesh state constraints postprocess result_schema nodal_fields results driven_loads analysis
 uses_library = kinds text errors posix logger sparse mpi_ranks model friction_slip_scenarios state unsymmetric_tangent assembly equilibrium tangent_solution newton_step convergence increment_control user_routine_setup driven_loads analysis job_query
 uses_c_interface = kinds text errors posix version sparse model library

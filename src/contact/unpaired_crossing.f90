@@ -15,6 +15,8 @@
 !! A pair by hand may have fewer faces than can meet, and chords of coarse curved surfaces cross where these do not. Its crossings
 !! count from 0.14 of an edge on, and not at a node that touches.
 !!
+!! Under NLGEOM an attempt with a crossing is repeated with a shorter increment, while that is longer than the crossing is deep.
+!!
 !! Cost: none while no node moved by a twentieth of an element; else linear in the faces that are within the boxes of other bodies.
 module amontons_unpaired_crossing
   use amontons_kinds, only: DP
@@ -26,7 +28,7 @@ module amontons_unpaired_crossing
   use amontons_facet_crossing, only: plane_normal, cross_facet
   use amontons_exterior_surface, only: exterior_type, is_thin
   use amontons_state, only: slave_state_type, STATUS_OPEN
-  use amontons_mortar_segmentation, only: MIN_FACING_COSINE
+  use amontons_mortar_segmentation, only: MIN_FACING_COSINE, MIN_ROW_COSINE
   use amontons_body_motion, only: displacement_span
   use amontons_rigid_exterior, only: is_pair_driven
   use amontons_general_contact, only: find_interaction, are_named, contact_rules, body_name
@@ -34,7 +36,7 @@ module amontons_unpaired_crossing
   use amontons_unpaired_contact, only: model_faces_type, place_faces, smallest_width, have_pair, other_side
   implicit none
   private
-  public :: find_unpaired_crossing
+  public :: find_unpaired_crossing, least_crossing
 
   real(DP), parameter :: MIN_CROSSING = 0.05_DP            !< least depth of a crossing, over the smaller edge [-]
   real(DP), parameter :: MIN_PAIR_CROSSING = 0.14_DP       !< the same of a pair by hand: chords of 60 degrees are off by 0.13 [-]
@@ -75,11 +77,9 @@ contains
     real(DP) :: least
     message = ''
     if (.not. allocated(model%general_contact) .and. all(is_self_contact(model%pairs))) return
-    if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
-    least = MIN_CROSSING * faces%least_width
     if (.not. allocated(faces%checked_u)) faces%checked_u = 0 * u
+    least = least_crossing(model, faces)
     if (max(displacement_span(model, u - faces%checked_u), displacement_span(model, du)) < least) return
-    faces%checked_u = u
     call place_faces(model, faces, u)
     if (faces%exterior%n_bodies < 2) return
     scene%rules = contact_rules(model)
@@ -103,11 +103,22 @@ contains
     call find_crossing(scene, faces, faces%now, crossing)
     if (crossing%face(1) > 0) then
       call describe_crossing(model, faces%now, crossing, step, u, faces, message)
-    else if (.not. all(scene%is_acting)) then
-      scene%is_acting = .not. scene%is_acting
-      call permit_crossings(scene, faces, faces%now)
+      return
     end if
+    faces%checked_u = u
+    if (all(scene%is_acting)) return
+    scene%is_acting = .not. scene%is_acting
+    call permit_crossings(scene, faces, faces%now)
   end subroutine find_unpaired_crossing
+
+
+  !> The least depth of a crossing in the model [length].
+  real(DP) function least_crossing(model, faces) result(least)
+    type(model_type), intent(in) :: model
+    type(model_faces_type), intent(inout) :: faces !< its least_width
+    if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
+    least = MIN_CROSSING * faces%least_width
+  end function least_crossing
 
 
   !> How deep the slave nodes that touch lie behind the faces of their masters; where contact acts at points of faces, any depth.
@@ -388,9 +399,9 @@ contains
     cosine = dot_product(now%normal(:, g), now%normal(:, h))
     other = g
     if (cosine > 0.0_DP .and. is_thin(now%depth(g), now%edge_length(g))) other = other_side(now, g)
-    if ((other == g .and. cosine > 0.0_DP) .or. abs(cosine) < MIN_FACING_COSINE) return
     is_mortar = scene%rules%is_mortar
     if (pair > 0) is_mortar = scene%is_mortar(pair)
+    if ((other == g .and. cosine > 0.0_DP) .or. abs(cosine) < merge(MIN_ROW_COSINE, MIN_FACING_COSINE, is_mortar)) return
     acts = (is_mortar .and. depth <= MAX_MEAN_DEPTH * max(now%edge_length(g), now%edge_length(h))) .or. &
       largest_penetration(scene, now, g, h) >= 0.0_DP
     if (acts .and. pair <= 0) acts = have_pair(faces, other, h) .or. have_pair(faces, h, other)
@@ -440,7 +451,8 @@ contains
     else if (crossing%pair > 0) then
       message = message // 'Its surfaces must have all faces that can touch.'
     else
-      message = message // 'Faces that stand nearly upright on each other make no pair: name them in a *CONTACT PAIR.'
+      message = message // 'Faces inclined by more than 60 degrees do not touch in the mean: *CONTACT, TYPE=NODE TO SURFACE ' // &
+        'touches with corners and edges.'
     end if
     if (crossing%pair > 0) then
       message = message // ' Bodies that may pass each other need no *CONTACT PAIR; *MODEL CHANGE removes it for a step.'

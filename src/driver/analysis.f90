@@ -27,10 +27,8 @@ module amontons_analysis
   use amontons_state, only: fields_type, state_type, commit_state, restore_state
   use amontons_slave_nodes, only: accumulate_slip
   use amontons_user_element_forces, only: begin_user_elements, user_strain_energy, user_inelastic_work
-  use amontons_unpaired_contact, only: find_unpaired_contact, find_unpaired_self_contact
-  use amontons_driven_slaves, only: find_driven_slave
+  use amontons_contact_checks, only: find_contact_fault, find_avoidable_crossing
   use amontons_balanced_bodies, only: find_loaded_support
-  use amontons_unpaired_crossing, only: find_unpaired_crossing
   use amontons_model_change, only: activate_elements, relieve_elements
   use amontons_model_setup, only: set_up_model
   use amontons_user_routine_setup, only: call_external_databases, handle_user_messages, update_user_amplitudes, &
@@ -44,7 +42,7 @@ module amontons_analysis
     discard_matrices, is_matrix_free_step, OUTCOME_OK
   use amontons_model_check, only: check_model, summarize_model
   use amontons_model_check_motion, only: find_free_motion
-  use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
+  use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED, VERDICT_DIVERGES
   use amontons_globalization, only: delay_snap_through
   use amontons_newton, only: begin_newton, iterate
   use amontons_postprocess, only: add_inelastic_work, mechanical_strain
@@ -52,7 +50,7 @@ module amontons_analysis
   use amontons_increment_control, only: attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
     reject_increment, can_cut_back, &
     OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
-  use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_SIGNAL
+  use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING
   use amontons_failure_messages, only: failure_words
   use amontons_failure_report, only: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
   use amontons_text_output, only: print_iteration, print_increment
@@ -391,7 +389,8 @@ contains
   end subroutine begin_trial
 
 
-  !> One Newton iteration of the attempt. A converged attempt is accepted: stepping and state advance to its end.
+  !> One Newton iteration of the attempt. A converged attempt is accepted: stepping and state advance to its end. One in which
+  !! bodies passed through each other counts as diverged where a shorter one is possible.
   subroutine iterate_trial(analysis, logger, verdict, error)
     type(analysis_type), intent(inout) :: analysis
     type(logger_type), intent(inout) :: logger
@@ -406,6 +405,10 @@ contains
       if (allocated(error)) return
       call log_iteration(analysis, logger)
       if (verdict /= VERDICT_CONVERGED) return
+      if (analysis%newton%can_be_cut_back) call find_avoidable_crossing(analysis%model, analysis%faces, analysis%state, &
+        analysis%stepping%step, analysis%crossing)
+      if (analysis%crossing /= '') verdict = VERDICT_DIVERGES
+      if (analysis%crossing /= '') return
       call evaluate_points(analysis%system, analysis%model, step, analysis%state, outcome)
       if (outcome == OUTCOME_OK) then
         call accept_attempt(analysis, step)
@@ -489,25 +492,13 @@ contains
   end subroutine check_balance
 
 
-  !> Ends the job where faces have come together that general contact does not know to be near: of two bodies under NLGEOM, or of
-  !! one; where bodies have passed through each other without a pair; and where supports drive slave nodes behind their master.
+  !> Ends the job where contact did not act between faces that came together.
   subroutine check_unpaired_contact(analysis, error)
     type(analysis_type), intent(inout) :: analysis !< its faces
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: message
-    message = ''
-    associate (now => analysis%state%old, faces => analysis%faces)
-      if (analysis%model%steps(max(1, analysis%stepping%step))%is_nlgeom) then
-        call find_unpaired_contact(analysis%model, faces, now%u, now%time_increment * now%v, message)
-        if (message == '') call find_unpaired_self_contact(analysis%model, faces, now%u, now%time_increment * now%v, message)
-      else
-        call find_unpaired_self_contact(analysis%model, faces, now%u, 0 * now%v, message)
-      end if
-      if (message == '') call find_driven_slave(analysis%model, analysis%system%contact, now%slaves, now%u, &
-        max(1, analysis%stepping%step), message)
-      if (message == '') call find_unpaired_crossing(analysis%model, faces, now%slaves, now%u, &
-        now%time_increment * now%v, max(1, analysis%stepping%step), message)
-    end associate
+    call find_contact_fault(analysis%model, analysis%system%contact, analysis%faces, analysis%state%old, &
+      max(1, analysis%stepping%step), message)
     if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
   end subroutine check_unpaired_contact
 
@@ -582,6 +573,7 @@ contains
     real(DP), intent(in) :: dt                     !< [time]
     call restore_state(analysis%state)
     analysis%smallest_pnewdt = 1.0_DP
+    analysis%crossing = ''
     analysis%state%new%step_time = analysis%stepping%step_time + dt
     analysis%state%new%total_time = analysis%stepping%total_time + dt
     analysis%state%new%step = analysis%stepping%step
@@ -652,6 +644,10 @@ contains
     character(120) :: location
     associate (record => analysis%records(analysis%n_records))
       record%failure = find_failure(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
+      if (analysis%crossing /= '') then
+        record%failure = failure_type(FAILURE_CROSSING)
+        record%failure%detail = analysis%crossing
+      end if
       if (analysis%smallest_pnewdt < 1.0_DP) record%failure = failure_type(FAILURE_USER_ROUTINE, number=analysis%smallest_pnewdt)
       record%reason = failure_words(record%failure)
       call complete_record(analysis, record)

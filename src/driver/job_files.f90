@@ -46,6 +46,7 @@ module amontons_job_files
                                                                !! anything moves
     type(equilibrium_type) :: system
     type(model_faces_type) :: faces                !< for the search of faces that meet without a pair
+    character(:), allocatable :: crossing          !< of bodies in the present attempt; '': none
     type(newton_type) :: newton
     type(increment_control_type) :: stepping
     type(results_type) :: results

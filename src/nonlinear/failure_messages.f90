@@ -5,9 +5,9 @@ module amontons_failure_messages
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, &
     FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, &
     FAILURE_CYCLE, FAILURE_FLIP, FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
-    FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAMILY_MATERIAL, FAMILY_SOLVER, &
-    FAMILY_CONSTRAINTS, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_CYCLE, FAMILY_FLIP, FAMILY_UNSETTLED, FAMILY_PENETRATION, &
-    FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL
+    FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, FAMILY_MATERIAL, &
+    FAMILY_SOLVER, FAMILY_CONSTRAINTS, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_CYCLE, FAMILY_FLIP, FAMILY_UNSETTLED, &
+    FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL
   implicit none
   private
   public :: failure_words, failure_name, remedy_words, node_list, is_same_failure
@@ -59,6 +59,8 @@ contains
       words = 'status or facet still changes at ' // node_list(failure%labels) // '.'
     case (FAILURE_PASSED_THROUGH)
       words = 'node ' // first_of(failure) // ' passed through its master within the increment.'
+    case (FAILURE_CROSSING)
+      words = failure%detail
     case (FAILURE_DEEP)
       words = node_list(failure%labels) // ' penetrated deeply into the master in one iteration.'
     case (FAILURE_LIMIT_POINT)

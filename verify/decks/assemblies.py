@@ -108,3 +108,32 @@ def rubber_lip(n: int, contact: str) -> str:
     cards = fix("LIP_FOOT, 1, 2", "PLATE_T1, 1", f"PLATE_T1, 2, 2, {GAP - low:.6g}")
     step = f"*STEP, NLGEOM, INC=1000\n*STATIC\n0.05, 1., 1e-6, 0.1\n{cards}*END STEP\n"
     return bodies_deck([(lip, RUBBER), (plate, STEEL)], "CPE4", contact + step)
+
+
+def snap_hook(contact: str, largest: float, way: float = 6.6, n: int = 3) -> str:
+    """A clamped arm with a hook that is pushed over a catch of the same plastic, as is usual, by default settings but for the largest
+    increment: at the end the back of the hook is behind the catch.
+    """
+    arm, depth, land, height = 10.0, 1.0, 0.6, 1.2
+    ends = np.cumsum([arm, depth / np.tan(np.radians(80)), land, (depth + 0.3) / np.tan(np.radians(30))])
+    lines = [between(0, ends[0], 8 * n), ends[1:2], between(ends[1], ends[2], 2 * n)[1:], between(ends[2], ends[3], 6 * n)[1:]]
+
+    def hook_at(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        low = np.interp(s, ends, [0, -depth, -depth, 0.3])
+        return s, low + (height - low) * t
+
+    hook = grid("HOOK", np.concatenate(lines), between(0, 1, 3 * n), place=hook_at)
+    steps = ends[3] + 0.3 + np.cumsum([0.0, depth / np.tan(np.radians(40)), 0.8, depth / np.tan(np.radians(75))])
+    m = n - 1
+    lines = [between(steps[0] - 2, steps[0], 3 * m), *(between(*steps[i : i + 2], k * m)[1:] for i, k in enumerate((3, 2, 2))),
+             between(steps[3], steps[3] + 6, 4 * m)[1:]]  # fmt: skip
+
+    def catch_at(s: Floats, t: Floats) -> tuple[Floats, Floats]:
+        return s, -4 + (2.95 + np.interp(s, steps, [0, depth, depth, 0])) * t
+
+    catch = grid("CATCH", np.concatenate(lines), between(0, 1, 3 * m), place=catch_at)
+    hook.surface("SKIN", lambda x: x[:, 0] > 0)
+    catch.surface("SKIN", lambda x: x[:, 1] > -4)
+    cards = contact + fix("CATCH_T0, 1, 2") + f"*STEP, NLGEOM, INC=1000\n*STATIC\n0.02, 1., 1e-7, {largest}\n"
+    cards += fix(f"HOOK_S0, 1, 1, {way}", "HOOK_S0, 2") + "*END STEP\n"
+    return bodies_deck([(catch, "*ELASTIC\n2500., 0.38\n"), (hook, "*ELASTIC\n2500., 0.38\n")], "CPE4", cards)

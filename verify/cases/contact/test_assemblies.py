@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from verify.conftest import Run
-from verify.decks.assemblies import FLANGE_PAIRS, GAP, PRELOAD, THICK, by_hand, flange, general, rubber_lip
+from verify.decks.assemblies import FLANGE_PAIRS, GAP, PRELOAD, THICK, by_hand, flange, general, rubber_lip, snap_hook
 from verify.decks.make_decks import Floats
 
 EQUAL = 1e-6  #: over the largest value: the pairs are the same
@@ -78,3 +78,27 @@ def test_rubber_lip(run: Run, tmp_path: Path, n: int) -> None:
     assert abs(plate) == pytest.approx(0.79, rel=0.08)
     assert np.abs(pair_forces(path)[-1]).max() > 0.1 * abs(plate)  # of the pair of the lip with itself
 
+
+
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(("form", "n"), [("general nodes", 3), pytest.param("general", 3, marks=SLOW), pytest.param("pair", 4, marks=SLOW)])
+def test_snap_hook(run: Run, tmp_path: Path, form: str, n: int) -> None:
+    """The hook goes over the catch by increments of several edges; shorter ones are taken where bodies would cross. Behind the catch the
+    arm is straight again: all of it moved by the way of its root, and no force is left.
+    """
+    way = 6.8
+    contact = by_hand(0.0, "HOOK_SKIN, CATCH_SKIN") if form == "pair" else general(0.0)
+    if form == "general nodes":
+        contact = contact.replace("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n")
+    path = solve(run, tmp_path, "snap", snap_hook(contact.replace("*FRICTION\n0.0\n", ""), 0.05, way, n))
+    with h5py.File(path) as file:
+        m = int(file["VTKHDF/NumberOfPoints"][-1])
+        is_arm = np.asarray(file["VTKHDF/Points"])[-m:, 1] > -1.01
+        is_arm &= np.asarray(file["VTKHDF/Points"])[-m:, 0] < 13.1
+        forces = np.abs(np.asarray(file["VTKHDF/PointData/RF"]).reshape(-1, m, 3)[:, :, 1]).sum(axis=1) / 2
+    u = at_the_end(path, "U")[is_arm]
+    assert np.abs(u - [way, 0, 0]).max() <= 1e-9 * way
+    assert forces.max() > 0.5  # it was bent
+    assert np.abs(at_the_end(path, "RF")).max() <= 1e-9 * forces.max()

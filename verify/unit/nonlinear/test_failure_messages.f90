@@ -4,7 +4,8 @@ program test_failure_messages
   use amontons_kinds, only: DP
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_SINGULAR, FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, &
     FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_CYCLE, FAILURE_FLIP, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
-    FAILURE_CONTACT_LIMIT, FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, N_FAILURES, FAMILY_FREE_BODY, FAMILY_NONE, &
+    FAILURE_CONTACT_LIMIT, FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, N_FAILURES, &
+    FAMILY_FREE_BODY, FAMILY_NONE, &
     FAMILY_LIMIT_POINT
   use amontons_failure_messages, only: failure_words, failure_name, remedy_words, is_same_failure
   use amontons_failure_report, only: summarize_attempts, is_always_unsupported
@@ -44,7 +45,8 @@ contains
       name = failure_name(failure)
       call suite%that('code has a family', family_of(failure) /= FAMILY_NONE)
       call suite%that('words begin with the name', index(words, name) == 1 .and. len(words) > len(name) .and. len(name) > 0)
-      call suite%that('words end a sentence, but for a given text', words(len(words):) == '.' .or. i == FAILURE_CONSTRAINTS)
+      call suite%that('words end a sentence, but for a given text', words(len(words):) == '.' .or. &
+        any(i == [FAILURE_CONSTRAINTS, FAILURE_CROSSING]))
       call suite%that('there is a remedy', len(remedy_words(failure)) > 20)
       do k = 1, i - 1
         other = sample(k)
