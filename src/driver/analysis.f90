@@ -574,6 +574,7 @@ contains
     call restore_state(analysis%state)
     analysis%smallest_pnewdt = 1.0_DP
     analysis%crossing = ''
+    analysis%faces%is_free_of_crossings = .false.
     analysis%state%new%step_time = analysis%stepping%step_time + dt
     analysis%state%new%total_time = analysis%stepping%total_time + dt
     analysis%state%new%step = analysis%stepping%step
