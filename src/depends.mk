@@ -80,8 +80,8 @@ uses_incompatible_modes = kinds tensor element_kinds
 uses_solid_shell = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition shape_functions incompatible_modes
 uses_solid_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition beam_rules shape_functions hourglass incompatible_modes solid_shell
 uses_element = kinds tensor element_kinds materials element_integration_points shape_functions truss_spring_mass membrane_elements plane_elements solid_elements
-uses_hex8_simd = kinds element_kinds materials elasticity shape_functions
-uses_hex8_plastic_simd = kinds tensor element_kinds materials plasticity logarithmic_strain material_point hex8_simd
+uses_solid_simd = kinds element_kinds materials elasticity shape_functions
+uses_plastic_solid_simd = kinds tensor element_kinds materials plasticity logarithmic_strain material_point solid_simd
 uses_section_beams = kinds tensor user_elements
 
 # expansion
@@ -167,8 +167,8 @@ uses_user_state = kinds errors tensor element_kinds loads user_routines material
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse element_kinds shape_functions
-uses_assembly_plan = kinds containers errors sparse graph_partition point_partition mpi_ranks element_kinds mesh hex8_simd unsymmetric_tangent
-uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model truss_spring_mass element hex8_simd hex8_plastic_simd state user_state unsymmetric_tangent assembly_plan
+uses_assembly_plan = kinds containers errors sparse graph_partition point_partition mpi_ranks element_kinds mesh solid_simd unsymmetric_tangent
+uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model truss_spring_mass element solid_simd plastic_solid_simd state user_state unsymmetric_tangent assembly_plan
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element tributary_areas state user_state unsymmetric_tangent assembly_plan assembly
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads
 uses_stabilization = kinds sparse mesh steps model elasticity state

@@ -5,7 +5,7 @@
 !! it is divided. Values at integration points stay with their rank until `share_points`.
 module amontons_assembly
   use amontons_kinds, only: DP
-  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
+  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
     KIND_GAPUNI, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_materials, only: MAX_HISTORY
@@ -15,9 +15,9 @@ module amontons_assembly
   use amontons_unsymmetric_tangent, only: reset_element_skew, evaluate_element_skew
   use amontons_mpi_ranks, only: sum_over_ranks, min_over_ranks
   use amontons_assembly_plan, only: assembly_type, ensure_matrix, is_own_element, add_row_block
-  use amontons_hex8_simd, only: batch_type, is_batch_kind, set_batch_lane, &
-    evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS, BATCH_HISTORY
-  use amontons_hex8_plastic_simd, only: is_plastic_batch_kind, evaluate_plastic_batch_forces, evaluate_plastic_batch_tangent
+  use amontons_solid_simd, only: batch_type, batch_rule_type, is_batch_kind, set_batch_lane, evaluate_batch_forces, &
+    evaluate_batch_tangent, BATCH_WIDTH, MAX_NODE_PAIRS, BATCH_HISTORY
+  use amontons_plastic_solid_simd, only: is_plastic_batch_kind, evaluate_plastic_batch_forces, evaluate_plastic_batch_tangent
   use amontons_truss_spring_mass, only: spring_energy
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
   use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields
@@ -109,7 +109,7 @@ contains
     integer, intent(in) :: elements(:)             !< at most BATCH_WIDTH
     logical, intent(in) :: is_nlgeom
     logical, intent(out) :: is_chosen(:)              !< of the elements
-    logical, intent(out) :: is_plastic             !< of the chosen ones: hex8_plastic_simd evaluates them
+    logical, intent(out) :: is_plastic             !< of the chosen ones: plastic_solid_simd evaluates them
     integer :: k, m, first, material_of_first
     logical :: is_plastic_k
     first = 0
@@ -136,8 +136,9 @@ contains
 
 
   !> Puts the chosen elements into the lanes of a batch; unused lanes repeat the last element.
-  pure subroutine load_batch(model, list, state, is_plastic, batch)
+  pure subroutine load_batch(model, rule, list, state, is_plastic, batch)
     type(model_type), intent(in) :: model
+    type(batch_rule_type), intent(in) :: rule      !< of their kind
     integer, intent(in) :: list(:)                 !< elements, at least one
     type(state_type), intent(in) :: state
     logical, intent(in) :: is_plastic              !< with the committed history
@@ -147,9 +148,10 @@ contains
     do lane = 1, BATCH_WIDTH
       associate (e => list(min(lane, size(list))))
         call set_element_configuration(model%mesh, e, state%new, X, u)
-        call set_batch_lane(batch, lane, model%materials(element_material(model, state%new%step, e)), X(:, :8), u(:, :8))
+        call set_batch_lane(batch, lane, model%materials(element_material(model, state%new%step, e)), X(:, :rule%n_nodes), &
+          u(:, :rule%n_nodes))
         p = model%mesh%point_first(e)
-        if (is_plastic) batch%history_old(lane, :, :) = state%old%history(:BATCH_HISTORY, p:p + 7)
+        if (is_plastic) batch%history_old(lane, :, :rule%n_points) = state%old%history(:BATCH_HISTORY, p:p + rule%n_points - 1)
       end associate
     end do
   end subroutine load_batch
@@ -166,16 +168,17 @@ contains
     type(batch_type) :: batch
     integer, allocatable :: list(:)
     logical :: is_chosen(size(elements)), is_plastic
-    integer :: k, lane, a, p, first
+    integer :: k, lane, a, p, last, first, kind
     call choose_batch_elements(model, state%new%step, elements, is_nlgeom, is_chosen, is_plastic)
     list = pack(elements, is_chosen)
     if (size(list) > 0) then
-      call load_batch(model, list, state, is_plastic, batch)
+      kind = model%mesh%kind(list(1))
+      call load_batch(model, assembly%rules(kind), list, state, is_plastic, batch)
       if (is_plastic) then
         k = element_material(model, state%new%step, list(1))
-        call evaluate_plastic_batch_forces(batch, assembly%rule, model%materials(k), allocated(state%new%stress))
+        call evaluate_plastic_batch_forces(batch, assembly%rules(kind), model%materials(k), allocated(state%new%stress))
       else
-        call evaluate_batch_forces(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+        call evaluate_batch_forces(batch, assembly%rules(kind), is_nlgeom)
       end if
       if (.not. batch%is_sound) is_chosen = .false.
     end if
@@ -186,18 +189,21 @@ contains
     associate (mesh => model%mesh, fields => state%new)
       do lane = 1, size(list)
         first = mesh%first(list(lane)) - 1
-        do a = 1, 8
+        do a = 1, assembly%rules(kind)%n_nodes
           associate (node => mesh%nodes(first + a))
             fields%internal_force(:, node) = fields%internal_force(:, node) + batch%force(lane, :, a)
           end associate
         end do
         if (.not. allocated(fields%stress)) cycle
         p = mesh%point_first(list(lane))
-        fields%stress(:, p:p + 7) = batch%stress(lane, :, :)
-        fields%strain(:, p:p + 7) = batch%strain(lane, :, :)
-        fields%energy(p:p + 7) = batch%energy(lane, :)
-        fields%volume(p:p + 7) = batch%volume(lane, :)
-        if (is_plastic) fields%history(:BATCH_HISTORY, p:p + 7) = batch%history(lane, :, :)
+        associate (n_points => assembly%rules(kind)%n_points)
+          last = p + n_points - 1
+          fields%stress(:, p:last) = batch%stress(lane, :, :n_points)
+          fields%strain(:, p:last) = batch%strain(lane, :, :n_points)
+          fields%energy(p:last) = batch%energy(lane, :n_points)
+          fields%volume(p:last) = batch%volume(lane, :n_points)
+          if (is_plastic) fields%history(:BATCH_HISTORY, p:last) = batch%history(lane, :, :n_points)
+        end associate
       end do
     end associate
   end subroutine add_group_forces
@@ -214,16 +220,17 @@ contains
     type(batch_type) :: batch
     integer, allocatable :: list(:)
     logical :: is_chosen(size(elements)), is_plastic
-    integer :: k, lane
+    integer :: k, lane, kind
     call choose_batch_elements(model, state%new%step, elements, is_nlgeom, is_chosen, is_plastic)
     list = pack(elements, is_chosen)
     if (size(list) > 0) then
-      call load_batch(model, list, state, is_plastic, batch)
+      kind = model%mesh%kind(list(1))
+      call load_batch(model, assembly%rules(kind), list, state, is_plastic, batch)
       if (is_plastic) then
         k = element_material(model, state%new%step, list(1))
-        call evaluate_plastic_batch_tangent(batch, assembly%rule, model%materials(k))
+        call evaluate_plastic_batch_tangent(batch, assembly%rules(kind), model%materials(k))
       else
-        call evaluate_batch_tangent(batch, assembly%rule, model%mesh%kind(list(1)) == KIND_C3D8, is_nlgeom)
+        call evaluate_batch_tangent(batch, assembly%rules(kind), is_nlgeom)
       end if
       if (.not. batch%is_sound) is_chosen = .false.
     end if
@@ -232,23 +239,23 @@ contains
     end do
     if (.not. any(is_chosen)) return
     do lane = 1, size(list)
-      call scatter_lane(assembly, model%mesh, list(lane), batch%stiffness, lane)
+      call scatter_lane(assembly, model%mesh, list(lane), assembly%rules(kind)%n_nodes, batch%stiffness, lane)
     end do
   end subroutine add_group_tangent
 
 
   !> Adds the blocks of one lane to the matrix.
-  pure subroutine scatter_lane(assembly, mesh, e, stiffness, lane)
+  pure subroutine scatter_lane(assembly, mesh, e, n_nodes, stiffness, lane)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
-    integer, intent(in) :: e
-    real(DP), intent(in) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)
+    integer, intent(in) :: e, n_nodes
+    real(DP), intent(in) :: stiffness(BATCH_WIDTH, 3, 3, MAX_NODE_PAIRS)
     integer, intent(in) :: lane
-    integer :: nodes(8), a, b, k, pair
-    nodes = mesh%nodes(mesh%first(e):mesh%first(e) + 7)
+    integer :: nodes(MAX_ELEMENT_NODES), a, b, k, pair
+    nodes(:n_nodes) = mesh%nodes(mesh%first(e):mesh%first(e) + n_nodes - 1)
     pair = 0
     k = assembly%pair_first(e)
-    do b = 1, 8
+    do b = 1, n_nodes
       do a = 1, b
         pair = pair + 1
         if (nodes(a) <= nodes(b)) then

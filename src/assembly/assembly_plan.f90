@@ -19,7 +19,7 @@ module amontons_assembly_plan
   use amontons_graph_partition, only: partition_mesh
   use amontons_point_partition, only: partition_points
   use amontons_mpi_ranks, only: this_rank, n_ranks, sum_over_ranks, min_over_ranks
-  use amontons_hex8_simd, only: batch_rule_type, create_batch_rule
+  use amontons_solid_simd, only: batch_rule_type, create_batch_rules
   implicit none
   private
   public :: assembly_type, create_assembly, ensure_matrix, is_own_element, couple_nodes
@@ -45,7 +45,7 @@ module amontons_assembly_plan
     integer :: own_rank = 0                           !< this one
     integer :: n_parts = 0                            !< groups 1 to n_parts run in parallel, one thread a group
     integer :: n_groups = 0                           !< groups after n_parts are colours: the elements of one run in parallel
-    type(batch_rule_type) :: rule                           !< rule of the batches
+    type(batch_rule_type), allocatable :: rules(:)          !< of the batches, by kind
   end type assembly_type
 
 contains
@@ -60,7 +60,7 @@ contains
     logical, intent(in), optional :: is_matrix_free     !< K is not needed yet: `ensure_matrix` makes its pattern
     logical, intent(in), optional :: is_deferred      !< nor the graph, which no group of nodes extends
     type(mesh_type) :: coupled                        ! with these groups in place of elements, for the graph
-    assembly%rule = create_batch_rule()
+    assembly%rules = create_batch_rules()
     call order_elements(assembly, mesh, error)
     if (allocated(error)) return
     if (present(is_deferred)) then

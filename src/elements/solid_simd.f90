@@ -1,8 +1,8 @@
-!> Vectorized (SIMD) evaluation of eight C3D8 elements at a time: forces, tangent and point values.
+!> Vectorized (SIMD) evaluation of eight solid elements of one kind at a time: forces, tangent and point values.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Linear isotropic elasticity only. Results agree with `element` for C3D8 with full integration (small displacements, and Saint
-!! Venant's law under NLGEOM) and with mean dilatation (small displacements). The first index of every array is the element: each
+!! Linear isotropic elasticity only. Results agree with `element` for the kinds whose displacements are those of their nodes alone
+!! (small displacements, and Saint Venant's law under NLGEOM) and for C3D8 with mean dilatation (small displacements). The first index of every array is the element: each
 !! statement is a vector instruction. With g_a the gradient of a shape function, F the deformation gradient, S the second
 !! Piola-Kirchhoff stress, q_a = F g_a and b = F F', Hooke's law gives (doc/theory/elements.md, "Batches")
 !!
@@ -10,28 +10,36 @@
 !!     K_ab    = sum of w (g_a . S g_b 1 + lambda q_a q_b' + G q_b q_a' + G (g_a . g_b) b)
 !!
 !! Mean dilatation: lambda becomes -2/3 G at the points, and the bulk modulus k acts on the mean gradients gm_a: + k V gm_a gm_b'.
-module amontons_hex8_simd
+module amontons_solid_simd
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT, HISTORY_INELASTIC
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_elasticity, only: MAX_DISPLACEMENT_GRADIENT
-  use amontons_element_kinds, only: KIND_C3D8, KIND_C3D8_FULL, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: element_kind_type, element_kind, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, &
+    KIND_C3D15, KIND_C3D20, N_SOLID_KINDS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
-  public :: batch_type, batch_rule_type, create_batch_rule, is_batch_kind, set_batch_lane, evaluate_batch_forces, &
-    evaluate_batch_tangent, BATCH_WIDTH, N_NODE_PAIRS, BATCH_HISTORY
+  public :: batch_type, batch_rule_type, create_batch_rules, is_batch_kind, is_plain_kind, n_node_pairs, set_batch_lane, &
+    evaluate_batch_forces, evaluate_batch_tangent, BATCH_WIDTH, MAX_NODE_PAIRS, BATCH_HISTORY
   public :: batch_point_type, evaluate_batch_point, adjugate, deformation_gradient, evaluate_green_strain, unpack_batch_voigt
 
   integer, parameter :: BATCH_WIDTH = 8                  !< elements of a batch
-  integer, parameter :: N = 8                      !< nodes, and points, of an element
-  integer, parameter :: N_NODE_PAIRS = N * (N + 1) / 2  !< pairs of nodes a <= b, those of b = 1 first
+  integer, parameter :: N = MAX_ELEMENT_NODES            !< most nodes of an element
+  integer, parameter :: N_POINTS = MAX_ELEMENT_POINTS    !< most points
+  integer, parameter :: MAX_NODE_PAIRS = N * (N + 1) / 2 !< pairs of nodes a <= b, those of b = 1 first
   integer, parameter :: BATCH_HISTORY = HISTORY_INELASTIC + 5   !< history variables of plasticity with isotropic hardening
 
-  !> Derivatives of the shape functions at the points, and the weights of these.
+  !> Kinds without modes, hourglass stiffness or mean dilatation. C3D20R is none of them: it has modes without energy, which single
+  !! elements, by B'cB, do not make negative (a strip of S8R in trapezoids finds a limit point here).
+  integer, parameter :: PLAIN_KINDS(6) = [KIND_C3D4, KIND_C3D6, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, KIND_C3D20]
+
+  !> An element kind: derivatives of the shape functions at the points, and the weights of these.
   type :: batch_rule_type
-    real(DP) :: dN(3, N, N)                        !< of node a at point p by xi [-]
-    real(DP) :: w(N)                               !< [-]
+    integer :: n_nodes = 0, n_points = 0
+    logical :: is_mean = .false.                   !< mean dilatation
+    real(DP) :: dN(3, N, N_POINTS)                 !< of node a at point p by xi [-]
+    real(DP) :: w(N_POINTS)                        !< [-]
   end type batch_rule_type
 
   !> Eight elements. Unused lanes hold a copy of another element.
@@ -41,13 +49,13 @@ module amontons_hex8_simd
     real(DP) :: lambda(BATCH_WIDTH), G(BATCH_WIDTH)            !< Lame's constants [stress]
     logical :: is_sound                            !< .false.: an element is inverted or not finite: the output below is invalid
     real(DP) :: force(BATCH_WIDTH, 3, N)                 !< [force]
-    real(DP) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)    !< block of each pair [force/length]
-    real(DP) :: stress(BATCH_WIDTH, 6, N)                !< Cauchy's [stress]
-    real(DP) :: strain(BATCH_WIDTH, 6, N)                !< small, or Green's; tensor components [-]
-    real(DP) :: energy(BATCH_WIDTH, N)                   !< per reference volume [stress]
-    real(DP) :: volume(BATCH_WIDTH, N)                   !< reference volumes of the points [length^3]
-    real(DP) :: history_old(BATCH_WIDTH, BATCH_HISTORY, N)   !< committed history; of plastic materials only
-    real(DP) :: history(BATCH_WIDTH, BATCH_HISTORY, N)   !< at the end of the increment; likewise
+    real(DP) :: stiffness(BATCH_WIDTH, 3, 3, MAX_NODE_PAIRS)    !< block of each pair [force/length]
+    real(DP) :: stress(BATCH_WIDTH, 6, N_POINTS)         !< Cauchy's [stress]
+    real(DP) :: strain(BATCH_WIDTH, 6, N_POINTS)         !< small, or Green's; tensor components [-]
+    real(DP) :: energy(BATCH_WIDTH, N_POINTS)            !< per reference volume [stress]
+    real(DP) :: volume(BATCH_WIDTH, N_POINTS)            !< reference volumes of the points [length^3]
+    real(DP) :: history_old(BATCH_WIDTH, BATCH_HISTORY, N_POINTS)   !< committed history; of plastic materials only
+    real(DP) :: history(BATCH_WIDTH, BATCH_HISTORY, N_POINTS)   !< at the end of the increment; likewise
   end type batch_type
 
   !> What has been found at one point of the eight elements.
@@ -59,26 +67,46 @@ module amontons_hex8_simd
 
 contains
 
-  !> The table of the rule.
-  pure function create_batch_rule() result(rule)
-    type(batch_rule_type) :: rule
-    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), shape(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
-    integer :: n_rule, p
-    call quadrature(KIND_C3D8_FULL, n_rule, xi, w)
-    rule%w = w(:N)
-    do p = 1, N
-      call shape_functions(KIND_C3D8_FULL, xi(:, p), shape, dN)
-      rule%dN(:, :, p) = dN(:, :N)
+  !> The rules of the supported kinds; the others have no nodes.
+  pure function create_batch_rules() result(rules)
+    type(batch_rule_type) :: rules(N_SOLID_KINDS)
+    integer :: kind
+    do kind = 1, N_SOLID_KINDS
+      if (is_plain_kind(kind) .or. kind == KIND_C3D8) call set_batch_rule(kind, rules(kind))
     end do
-  end function create_batch_rule
+  end function create_batch_rules
+
+
+  !> The rule of one kind.
+  pure subroutine set_batch_rule(kind, rule)
+    integer, intent(in) :: kind                    !< KIND_...
+    type(batch_rule_type), intent(out) :: rule
+    type(element_kind_type) :: entry
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), shape(MAX_ELEMENT_NODES)
+    integer :: p
+    entry = element_kind(kind)
+    rule%n_nodes = entry%n_nodes
+    rule%is_mean = entry%is_mean_dilatation
+    call quadrature(kind, rule%n_points, xi, rule%w)
+    do p = 1, rule%n_points
+      call shape_functions(kind, xi(:, p), shape, rule%dN(:, :, p))
+    end do
+  end subroutine set_batch_rule
+
+
+  !> Whether the displacements of a kind are those of its nodes alone.
+  pure logical function is_plain_kind(kind)
+    integer, intent(in) :: kind                    !< KIND_...
+    is_plain_kind = any(kind == PLAIN_KINDS)
+  end function is_plain_kind
 
 
   !> Whether this module supports an element.
-  pure logical function is_batch_kind(kind, material, is_nlgeom)
+  elemental logical function is_batch_kind(kind, material, is_nlgeom)
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    is_batch_kind = kind == KIND_C3D8_FULL .and. (.not. is_nlgeom .or. material%law == LAW_SAINT_VENANT)
+    is_batch_kind = is_plain_kind(kind) .and. (.not. is_nlgeom .or. material%law == LAW_SAINT_VENANT)
     is_batch_kind = (is_batch_kind .or. (kind == KIND_C3D8 .and. .not. is_nlgeom)) .and. material%is_linear_isotropic
   end function is_batch_kind
 
@@ -88,9 +116,9 @@ contains
     type(batch_type), intent(inout) :: batch
     integer, intent(in) :: lane
     type(material_type), intent(in) :: material
-    real(DP), intent(in) :: X(3, N), u(3, N)       !< [length]
-    batch%X(lane, :, :) = X
-    batch%u(lane, :, :) = u
+    real(DP), intent(in) :: X(:, :), u(:, :)       !< (3, n_nodes) [length]
+    batch%X(lane, :, :size(X, 2)) = X
+    batch%u(lane, :, :size(u, 2)) = u
     associate (E => material%youngs_modulus, nu => material%poissons_ratio)
       batch%G(lane) = E / (2 * (1 + nu))
       batch%lambda(lane) = E * nu / ((1 + nu) * (1 - 2 * nu))
@@ -99,34 +127,33 @@ contains
 
 
   !> Forces and point values.
-  pure subroutine evaluate_batch_forces(batch, rule, is_mean, is_nlgeom)
+  pure subroutine evaluate_batch_forces(batch, rule, is_nlgeom)
     type(batch_type), intent(inout) :: batch
     type(batch_rule_type), intent(in) :: rule
-    logical, intent(in) :: is_mean                 !< mean dilatation (with small displacements only)
-    logical, intent(in) :: is_nlgeom
+    logical, intent(in) :: is_nlgeom               !< not with mean dilatation
     type(batch_point_type) :: point
     real(DP) :: P(BATCH_WIDTH, 3, 3), mean(BATCH_WIDTH, 3, N), lambda(BATCH_WIDTH), pressure(BATCH_WIDTH), divergence(BATCH_WIDTH)
     integer :: k, a, i, v
-    batch%is_sound = all(ieee_is_finite(batch%u))
+    batch%is_sound = all(ieee_is_finite(batch%u(:, :, :rule%n_nodes)))
     if (.not. batch%is_sound) return
-    batch%force = 0
+    batch%force(:, :, :rule%n_nodes) = 0
     lambda = batch%lambda
-    if (is_mean) then
+    if (rule%is_mean) then
       lambda = -2 * batch%G / 3
       call evaluate_mean_gradients(batch, rule, mean, divergence)
       pressure = (batch%lambda - lambda) * divergence
     end if
-    do k = 1, N
+    do k = 1, rule%n_points
       call evaluate_batch_point(batch, rule, k, is_nlgeom, point)
       if (.not. batch%is_sound) return
       if (is_nlgeom) then
         call evaluate_green_stress(batch, k, point, P)
       else
-        if (.not. is_mean) divergence = point%H(:, 1, 1) + point%H(:, 2, 2) + point%H(:, 3, 3)
+        if (.not. rule%is_mean) divergence = point%H(:, 1, 1) + point%H(:, 2, 2) + point%H(:, 3, 3)
         call evaluate_small_stress(batch, k, point, divergence, P)
-        if (is_mean) call subtract_mean_pressure(pressure, P)
+        if (rule%is_mean) call subtract_mean_pressure(pressure, P)
       end if
-      do a = 1, N
+      do a = 1, rule%n_nodes
         do i = 1, 3
           !$omp simd
           do v = 1, BATCH_WIDTH
@@ -136,8 +163,8 @@ contains
         end do
       end do
     end do
-    if (.not. is_mean) return
-    do a = 1, N
+    if (.not. rule%is_mean) return
+    do a = 1, rule%n_nodes
       do i = 1, 3
         batch%force(:, i, a) = batch%force(:, i, a) + pressure * mean(:, i, a)
       end do
@@ -157,28 +184,28 @@ contains
 
 
   !> The tangent.
-  pure subroutine evaluate_batch_tangent(batch, rule, is_mean, is_nlgeom)
+  pure subroutine evaluate_batch_tangent(batch, rule, is_nlgeom)
     type(batch_type), intent(inout) :: batch
     type(batch_rule_type), intent(in) :: rule
-    logical, intent(in) :: is_mean, is_nlgeom
+    logical, intent(in) :: is_nlgeom               !< not with mean dilatation
     type(batch_point_type) :: point
     real(DP) :: mean(BATCH_WIDTH, 3, N), lambda(BATCH_WIDTH), divergence(BATCH_WIDTH), volume(BATCH_WIDTH)
     integer :: k
-    batch%is_sound = all(ieee_is_finite(batch%u))
+    batch%is_sound = all(ieee_is_finite(batch%u(:, :, :rule%n_nodes)))
     if (.not. batch%is_sound) return
-    batch%stiffness = 0
+    batch%stiffness(:, :, :, :n_node_pairs(rule%n_nodes)) = 0
     lambda = batch%lambda
-    if (is_mean) lambda = -2 * batch%G / 3
+    if (rule%is_mean) lambda = -2 * batch%G / 3
     volume = 0
-    do k = 1, N
+    do k = 1, rule%n_points
       call evaluate_batch_point(batch, rule, k, is_nlgeom, point)
       if (.not. batch%is_sound) return
       volume = volume + point%w
-      call add_point_stiffness(batch, lambda, is_nlgeom, point)
+      call add_point_stiffness(batch, rule%n_nodes, lambda, is_nlgeom, point)
     end do
-    if (.not. is_mean) return
+    if (.not. rule%is_mean) return
     call evaluate_mean_gradients(batch, rule, mean, divergence)
-    call add_mean_dilatation_stiffness(mean, (batch%lambda - lambda) / volume, batch%stiffness)
+    call add_mean_dilatation_stiffness(rule%n_nodes, mean, (batch%lambda - lambda) / volume, batch%stiffness)
   end subroutine evaluate_batch_tangent
 
 
@@ -192,7 +219,7 @@ contains
     real(DP) :: J(BATCH_WIDTH, 3, 3), c(BATCH_WIDTH, 3, 3), det(BATCH_WIDTH)
     integer :: a, i, m
     J = 0
-    do a = 2, N
+    do a = 2, rule%n_nodes
       do m = 1, 3
         do i = 1, 3
           J(:, i, m) = J(:, i, m) + (batch%X(:, i, a) - batch%X(:, i, 1)) * rule%dN(m, a, k)
@@ -204,13 +231,13 @@ contains
     if (.not. batch%is_sound) return
     point%w = rule%w(k) * det
     batch%volume(:, k) = point%w
-    do a = 1, N
+    do a = 1, rule%n_nodes
       do i = 1, 3
         point%g(:, i, a) = (rule%dN(1, a, k) * c(:, 1, i) + rule%dN(2, a, k) * c(:, 2, i) + rule%dN(3, a, k) * c(:, 3, i)) / det
       end do
     end do
     point%H = 0
-    do a = 2, N
+    do a = 2, rule%n_nodes
       do m = 1, 3
         do i = 1, 3
           point%H(:, i, m) = point%H(:, i, m) + (batch%u(:, i, a) - batch%u(:, i, 1)) * point%g(:, m, a)
@@ -220,6 +247,13 @@ contains
     batch%is_sound = all(abs(point%H) <= MAX_DISPLACEMENT_GRADIENT)
     if (is_nlgeom) batch%is_sound = batch%is_sound .and. all(batch_determinant(point%H) > 0)
   end subroutine evaluate_batch_point
+
+
+  !> Pairs of nodes a <= b.
+  pure integer function n_node_pairs(n_nodes)
+    integer, intent(in) :: n_nodes
+    n_node_pairs = n_nodes * (n_nodes + 1) / 2
+  end function n_node_pairs
 
 
   !> Adjugate (the inverse times the determinant) and determinant.
@@ -268,15 +302,15 @@ contains
     type(batch_point_type) :: point
     real(DP) :: volume(BATCH_WIDTH)
     integer :: k, a, i
-    mean = 0
+    mean(:, :, :rule%n_nodes) = 0
     volume = 0
     divergence = 0
-    do k = 1, N
+    do k = 1, rule%n_points
       call evaluate_batch_point(batch, rule, k, .false., point)
       if (.not. batch%is_sound) return
       volume = volume + point%w
       divergence = divergence + point%w * (point%H(:, 1, 1) + point%H(:, 2, 2) + point%H(:, 3, 3))
-      do a = 1, N
+      do a = 1, rule%n_nodes
         do i = 1, 3
           mean(:, i, a) = mean(:, i, a) + point%w * point%g(:, i, a)
         end do
@@ -384,8 +418,9 @@ contains
 
 
   !> What a point adds to the blocks of all pairs.
-  pure subroutine add_point_stiffness(batch, lambda, is_nlgeom, point)
+  pure subroutine add_point_stiffness(batch, n_nodes, lambda, is_nlgeom, point)
     type(batch_type), intent(inout) :: batch
+    integer, intent(in) :: n_nodes
     real(DP), intent(in) :: lambda(BATCH_WIDTH)          !< [stress]
     logical, intent(in) :: is_nlgeom
     type(batch_point_type), intent(in) :: point
@@ -408,7 +443,7 @@ contains
         full(:, i, j) = point%w * full(:, i, j)
       end do
     end do
-    do a = 1, N
+    do a = 1, n_nodes
       do i = 1, 3
         q(:, i, a) = F(:, i, 1) * point%g(:, 1, a) + F(:, i, 2) * point%g(:, 2, a) + F(:, i, 3) * point%g(:, 3, a)
         t(:, i, a) = full(:, i, 1) * point%g(:, 1, a) + full(:, i, 2) * point%g(:, 2, a) + full(:, i, 3) * point%g(:, 3, a)
@@ -416,19 +451,20 @@ contains
         G_q(:, i, a) = point%w * batch%G * q(:, i, a)
       end do
     end do
-    call add_pair_blocks(point%g, q, lambda_q, G_q, t, b, point%w * batch%G, batch%stiffness)
+    call add_pair_blocks(n_nodes, point%g, q, lambda_q, G_q, t, b, point%w * batch%G, batch%stiffness)
   end subroutine add_point_stiffness
 
 
   !> The innermost loops of the tangent: K_ab = K_ab + (g_a . t_b) 1 + l_a q_b' + q_b m_a' + G (g_a . g_b) b, l = lambda q, m = G q.
-  pure subroutine add_pair_blocks(g, q, l, m, t, b, G_w, stiffness)
+  pure subroutine add_pair_blocks(n_nodes, g, q, l, m, t, b, G_w, stiffness)
+    integer, intent(in) :: n_nodes
     real(DP), dimension(BATCH_WIDTH, 3, N), intent(in) :: g, q, l, m, t
     real(DP), intent(in) :: b(BATCH_WIDTH, 3, 3), G_w(BATCH_WIDTH)
-    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)
+    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, MAX_NODE_PAIRS)
     real(DP) :: geometric, shear
     integer :: k, i, j, v
     k = 0
-    do j = 1, N
+    do j = 1, n_nodes
       do i = 1, j
         k = k + 1
         associate (block => stiffness(:, :, :, k))
@@ -453,13 +489,14 @@ contains
 
 
   !> The part of the mean dilatation: k gm_a gm_b', with gm the mean gradients times the volume and k over the volume.
-  pure subroutine add_mean_dilatation_stiffness(mean, k, stiffness)
+  pure subroutine add_mean_dilatation_stiffness(n_nodes, mean, k, stiffness)
+    integer, intent(in) :: n_nodes
     real(DP), intent(in) :: mean(BATCH_WIDTH, 3, N)      !< [length^2]
     real(DP), intent(in) :: k(BATCH_WIDTH)               !< [stress/length^3]
-    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)
+    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, MAX_NODE_PAIRS)
     integer :: pair, a, b, i, j
     pair = 0
-    do b = 1, N
+    do b = 1, n_nodes
       do a = 1, b
         pair = pair + 1
         do j = 1, 3
@@ -471,4 +508,4 @@ contains
     end do
   end subroutine add_mean_dilatation_stiffness
 
-end module amontons_hex8_simd
+end module amontons_solid_simd

@@ -1,11 +1,12 @@
-!> Vectorized (SIMD) evaluation of eight C3D8 elements at a time with von Mises plasticity at finite strain (Simo's law).
+!> Vectorized (SIMD) evaluation of eight solid elements of one kind at a time with von Mises plasticity at finite strain (Simo's
+!! law).
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Full integration, NLGEOM, isotropic hardening by one curve, one material in all lanes: the law of the calculix dialect. Results
+!! NLGEOM, isotropic hardening by one curve, one material in all lanes: the law of the calculix dialect. Results
 !! agree with `element` and `material_point` (evaluate_simo_law), whose symbols are used here: x = J^(2/3) b - 1 with b the
 !! isochoric elastic b, s = G dev b, theta and kappa of the return mapping. The first index of every array is the element: each
 !! statement is a vector instruction. The return to the hardening curve and powers are called for each element.
-module amontons_hex8_plastic_simd
+module amontons_plastic_solid_simd
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, CREEP_NONE, HISTORY_PEEQ, HISTORY_INELASTIC
@@ -13,14 +14,15 @@ module amontons_hex8_plastic_simd
   use amontons_logarithmic_strain, only: tensor_log
   use amontons_material_point, only: SQRT_3_2
   use amontons_tensor, only: VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
-  use amontons_hex8_simd, only: batch_type, batch_rule_type, batch_point_type, evaluate_batch_point, adjugate, &
-    deformation_gradient, evaluate_green_strain, unpack_batch_voigt, BATCH_WIDTH, BATCH_HISTORY, N_NODE_PAIRS
-  use amontons_element_kinds, only: KIND_C3D8_FULL
+  use amontons_solid_simd, only: batch_type, batch_rule_type, batch_point_type, evaluate_batch_point, adjugate, &
+    deformation_gradient, evaluate_green_strain, unpack_batch_voigt, is_plain_kind, n_node_pairs, BATCH_WIDTH, BATCH_HISTORY, &
+    MAX_NODE_PAIRS
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES
   implicit none
   private
   public :: is_plastic_batch_kind, evaluate_plastic_batch_forces, evaluate_plastic_batch_tangent
 
-  integer, parameter :: N = 8                      !< nodes, and points, of an element
+  integer, parameter :: N = MAX_ELEMENT_NODES
 
   !> The law at one point of the eight elements.
   type :: response_type
@@ -45,7 +47,7 @@ contains
     integer, intent(in) :: kind                    !< KIND_...
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    is_kind = kind == KIND_C3D8_FULL .and. is_nlgeom .and. material%law == LAW_SAINT_VENANT .and. &
+    is_kind = is_plain_kind(kind) .and. is_nlgeom .and. material%law == LAW_SAINT_VENANT .and. &
       allocated(material%isotropic_hardening) .and. material%n_history == BATCH_HISTORY
     if (.not. is_kind) return
     is_kind = size(material%isotropic_hardening) == 1 .and. material%elastic_kind == ELASTIC_ISOTROPIC .and. .not. &
@@ -65,10 +67,10 @@ contains
     type(response_type) :: r
     real(DP) :: P(BATCH_WIDTH, 3, 3), tau(BATCH_WIDTH, 3, 3)
     integer :: k, a, i, j, v
-    batch%is_sound = all(ieee_is_finite(batch%u))
+    batch%is_sound = all(ieee_is_finite(batch%u(:, :, :rule%n_nodes)))
     if (.not. batch%is_sound) return
-    batch%force = 0
-    do k = 1, N
+    batch%force(:, :, :rule%n_nodes) = 0
+    do k = 1, rule%n_points
       call evaluate_batch_point(batch, rule, k, .true., point)
       if (batch%is_sound) call evaluate_law(batch, material, k, point%H, r)
       if (.not. batch%is_sound) return
@@ -80,7 +82,7 @@ contains
             r%inverse(:, j, 3))
         end do
       end do
-      do a = 1, N
+      do a = 1, rule%n_nodes
         do i = 1, 3
           !$omp simd
           do v = 1, BATCH_WIDTH
@@ -102,10 +104,10 @@ contains
     type(response_type) :: r
     real(DP) :: c(BATCH_WIDTH, 6, 6), g(BATCH_WIDTH, 3, N)
     integer :: k, a, i
-    batch%is_sound = all(ieee_is_finite(batch%u))
+    batch%is_sound = all(ieee_is_finite(batch%u(:, :, :rule%n_nodes)))
     if (.not. batch%is_sound) return
-    batch%stiffness = 0
-    do k = 1, N
+    batch%stiffness(:, :, :, :n_node_pairs(rule%n_nodes)) = 0
+    do k = 1, rule%n_points
       call evaluate_batch_point(batch, rule, k, .true., point)
       if (batch%is_sound) call evaluate_law(batch, material, k, point%H, r)
       if (.not. batch%is_sound) return
@@ -116,13 +118,13 @@ contains
         end do
         r%tau(:, i) = point%w * r%tau(:, i)
       end do
-      do a = 1, N
+      do a = 1, rule%n_nodes
         do i = 1, 3
           g(:, i, a) = point%g(:, 1, a) * r%inverse(:, 1, i) + point%g(:, 2, a) * r%inverse(:, 2, i) + point%g(:, 3, a) * &
             r%inverse(:, 3, i)
         end do
       end do
-      call add_point_stiffness(g, r%tau, c, batch%stiffness)
+      call add_point_stiffness(rule%n_nodes, g, r%tau, c, batch%stiffness)
     end do
   end subroutine evaluate_plastic_batch_tangent
 
@@ -297,14 +299,15 @@ contains
 
 
   !> K_ab = K_ab + sum of g_ak (c_ikjl + tau_kl delta_ij) g_bl over k and l, for all pairs.
-  pure subroutine add_point_stiffness(g, tau, c, stiffness)
+  pure subroutine add_point_stiffness(n_nodes, g, tau, c, stiffness)
+    integer, intent(in) :: n_nodes
     real(DP), intent(in) :: g(BATCH_WIDTH, 3, N)         !< current gradients [1/length]
     real(DP), intent(in) :: tau(BATCH_WIDTH, 6), c(BATCH_WIDTH, 6, 6)   !< times the volume [stress length^3]
-    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, N_NODE_PAIRS)   !< [force/length]
+    real(DP), intent(inout) :: stiffness(BATCH_WIDTH, 3, 3, MAX_NODE_PAIRS)   !< [force/length]
     real(DP) :: d(BATCH_WIDTH, 6, 3), t(BATCH_WIDTH, 3), h
     integer :: pair, a, b, i, j, v
     pair = 0
-    do b = 1, N
+    do b = 1, n_nodes
       do j = 1, 3
         do i = 1, 6
           d(:, i, j) = c(:, i, VOIGT_INDEX(j, 1)) * g(:, 1, b) + c(:, i, VOIGT_INDEX(j, 2)) * g(:, 2, b) &
@@ -444,4 +447,4 @@ contains
     y(:, 6) = A(:, 1) * B(:, 6) + A(:, 4) * B(:, 5) + A(:, 6) * B(:, 3)
   end function multiply_symmetric
 
-end module amontons_hex8_plastic_simd
+end module amontons_plastic_solid_simd
