@@ -2,9 +2,10 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Linear isotropic elasticity only. Results agree with `element` for the kinds whose displacements are those of their nodes alone
-!! (small displacements, and Saint Venant's law under NLGEOM) and for C3D8 with mean dilatation (small displacements). The first index of every array is the element: each
-!! statement is a vector instruction. With g_a the gradient of a shape function, F the deformation gradient, S the second
-!! Piola-Kirchhoff stress, q_a = F g_a and b = F F', Hooke's law gives (doc/theory/elements.md, "Batches")
+!! (small displacements, and Saint Venant's law under NLGEOM) and for C3D8 with mean dilatation (small displacements). The first
+!! index of every array is the element: each statement is a vector instruction. With g_a the gradient of a shape function, F the
+!! deformation gradient, S the second Piola-Kirchhoff stress, q_a = F g_a and b = F F', Hooke's law gives (doc/theory/elements.md,
+!! "Batches")
 !!
 !!     force_a = sum of w F S g_a
 !!     K_ab    = sum of w (g_a . S g_b 1 + lambda q_a q_b' + G q_b q_a' + G (g_a . g_b) b)
