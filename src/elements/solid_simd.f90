@@ -31,8 +31,8 @@ module amontons_solid_simd
   integer, parameter :: MAX_NODE_PAIRS = N * (N + 1) / 2 !< pairs of nodes a <= b, those of b = 1 first
   integer, parameter :: BATCH_HISTORY = HISTORY_INELASTIC + 5   !< history variables of plasticity with isotropic hardening
 
-  !> Kinds without modes, hourglass stiffness or mean dilatation. C3D20R is none of them: it has modes without energy, which single
-  !! elements, by B'cB, do not make negative (a strip of S8R in trapezoids finds a limit point here).
+  !> Kinds without modes, hourglass stiffness or mean dilatation. C3D20R is none of them: a strip of it may have modes without
+  !! energy, whose pivots are rounding, and another order of summation changes their sign (S8R in trapezoids).
   integer, parameter :: PLAIN_KINDS(6) = [KIND_C3D4, KIND_C3D6, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, KIND_C3D20]
 
   !> An element kind: derivatives of the shape functions at the points, and the weights of these.

@@ -100,8 +100,10 @@ contains
       system%reduced_system%is_iterative)))
       if (system%max_old_iterations == 0) call abandon_iteration(system%reduced_system)
       system%max_old_iterations = 0
+      call system%clock%read(PHASE_KRYLOV)
       call prepare_reduced_solver(system, model, step, state, outcome, error)
       if (allocated(error) .or. outcome /= OUTCOME_OK) return
+      call system%clock%read(PHASE_FACTOR)
       call solve_constrained_system(system, admissible_residual(system, step), du, outcome, error)
       if (allocated(error)) return
     end do

@@ -258,10 +258,10 @@ contains
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)      !< of nodal_slaves
     integer, allocatable, intent(out) :: midside_nodes(:, :)   !< (3, n) the node and its two corners
-    integer, allocatable :: ends(:, :)
+    integer, allocatable :: ends(:, :), corners(:, :), nodes(:)
     logical :: is_shown(model%mesh%n_nodes)
     integer :: p, n
-    allocate (midside_nodes(3, 0))
+    allocate (corners(2, model%mesh%n_nodes), source=0)
     is_shown = .false.
     is_shown(slaves%node) = .true.
     do p = 1, size(model%pairs)
@@ -272,9 +272,11 @@ contains
       do n = 1, size(ends, 2)
         if (ends(1, n) == 0 .or. is_shown(n)) cycle
         is_shown(n) = .true.
-        midside_nodes = reshape([midside_nodes, [n, ends(:, n)]], [3, size(midside_nodes, 2) + 1])
+        corners(:, n) = ends(:, n)
       end do
     end do
+    nodes = pack([(n, n=1, size(corners, 2))], corners(1, :) > 0)
+    midside_nodes = reshape([(nodes(n), corners(:, nodes(n)), n=1, size(nodes))], [3, size(nodes)])
   end subroutine list_midside_nodes
 
 
