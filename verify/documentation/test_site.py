@@ -24,7 +24,7 @@ from verify.tools.module_table import page as modules_page
 
 MKDOCS = Path(os.environ.get("AMONTONS_MKDOCS", ROOT / ".venv-doc" / "bin" / "mkdocs"))
 FORD = Path(os.environ.get("AMONTONS_FORD", ROOT / ".venv-api" / "bin" / "ford"))
-LINK = re.compile(r'(?:href|src)="([^"]*)"')
+LINK = re.compile(r"""(?:href|src)=(["'])(.*?)\1""")
 MAX_BYTES = 30 * 2**20  #: of the whole site on a disk with blocks of 4 kB, as `du -m` counts
 WRITTEN_LATER = "/api/index.html"  #: by FORD, which `make doc` runs after mkdocs
 
@@ -54,7 +54,7 @@ def broken_links(site: Path, below: str) -> list[str]:
     for page, text in pages.items():
         if page.name == "404.html" or not page.is_relative_to(site / below):
             continue
-        for link in set(LINK.findall(text)):
+        for link in {link for _, link in LINK.findall(text)}:
             if re.match(r"[a-z]+:", link) or not link:
                 continue
             path, _, anchor = link.partition("#")

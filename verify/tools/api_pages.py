@@ -4,9 +4,9 @@
 
 FORD takes `Slip: how` at the start of a docstring for a setting, and shows the marks of the lines that follow; so it gets a copy of the
 source. It loads Bootstrap and MathJax from a server: Bootstrap comes from mkdocs instead, which is installed for the rest of the site, and the
-docstrings hold no formula to set. Links to parts of a page that FORD does not write lead to the page. A procedure has its arguments on the
-page of its module, so that pages of single procedures, and the source in colours beside the source itself, are left out: links to them lead
-there.
+docstrings hold no formula to set. Links to parts of a page that FORD does not write lead to the page. The page of a module has all of its
+procedures, interfaces and types, so that pages of single ones, and the source in colours beside the source itself, are left out: links to
+them lead there.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -26,9 +26,9 @@ BOOTSTRAP = {"css": "bootstrap.min.css", "js": "bootstrap.bundle.min.js"}
 FETCHED = re.compile(r'https://cdn\.jsdelivr\.net/npm/bootstrap@[^"]*/(css|js)/[^"/]*(?:\.css|\.js)')
 SEALED = re.compile(r'\s(?:integrity|crossorigin)="[^"]*"')
 MATHJAX = re.compile(r'<!-- MathJax -->\s*<script type="text/x-mathjax-config">.*?</script>\s*<script[^>]*MathJax\.js[^>]*></script>', re.S)
-SINGLE = re.compile(r"""href=(["'])([^"'#]*?)(proc|sourcefile)/([^"'/#]+)\.html(?:#[^"']*)?\1""")
+SINGLE = re.compile(r"""href=(["'])([^"'#]*?)(proc|interface|type|sourcefile)/([^"'/#]+)\.html(?:#([^"']*))?\1""")
 HOME = re.compile(r"""href='\.\./((?:module|program)/[^']+)'>[^<]*</a></li>\s*<li class="breadcrumb-item active\"""")
-LINK = re.compile(r'href="([^":#]*)#([^"]+)"')
+LINK = re.compile(r"""href=(["'])([^"':#]*)#([^"']+)\1""")
 
 
 def for_ford(source: str) -> str:
@@ -60,17 +60,18 @@ def without_fetching(text: str, top: str) -> str:
 
 
 def leave_out_single_pages(folder: Path) -> None:
-    """Links to a procedure lead to its part of the page of its module, links to a file to the file; their own pages go."""
-    homes = {page.stem: HOME.search(page.read_text()) for page in (folder / "proc").glob("*.html")}
-    homeless = [name for name, home in homes.items() if home is None]
-    assert not homeless, f"procedures without a module: {homeless}"
+    """Links to a procedure, an interface or a type lead to its part of the page of its module, links to a file to the file; their own pages go."""
+    homes = {(kind, page.stem): HOME.search(page.read_text()) for kind in ("proc", "interface", "type") for page in (folder / kind).glob("*.html")}
+    homeless = [f"{kind} {name}" for (kind, name), home in homes.items() if home is None]
+    assert not homeless, f"without a module: {homeless}"
 
     def leading(match: re.Match[str]) -> str:
-        quote, up, kind, name = match.groups()
-        place = f"src/{name}" if kind == "sourcefile" else f"{homes[name][1]}#proc-{name}" if name in homes else f"{kind}/{name}.html"
+        quote, up, kind, name, part = match.groups()
+        single = homes.get((kind, unquote(name)))
+        place = f"src/{name}" if kind == "sourcefile" else f"{single[1]}#{part or f'{kind}-{name}'}" if single else f"{kind}/{name}.html"
         return f"href={quote}{up}{place}{quote}"
 
-    for kind in ("proc", "sourcefile"):
+    for kind in ("proc", "interface", "type", "sourcefile"):
         shutil.rmtree(folder / kind)
     for page in folder.rglob("*.html"):
         page.write_text(SINGLE.sub(leading, page.read_text()))
@@ -88,8 +89,9 @@ def put_in_order(folder: Path, theme: Path) -> None:
     for page, text in texts.items():
 
         def known(match: re.Match[str], page: Path = page) -> str:
-            target = (page.parent / unquote(match[1])).resolve() if match[1] else page
-            return match[0] if unquote(match[2]) in parts.get(target, {unquote(match[2])}) else f'href="{match[1] or page.name}"'
+            quote, path, part = match.groups()
+            target = (page.parent / unquote(path)).resolve() if path else page
+            return match[0] if unquote(part) in parts.get(target, {unquote(part)}) else f"href={quote}{path or page.name}{quote}"
 
         top = "../" * (len(page.relative_to(folder.resolve()).parts) - 1)
         page.write_text(LINK.sub(known, without_fetching(text, top)))
