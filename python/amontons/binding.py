@@ -12,7 +12,7 @@ from ctypes import CFUNCTYPE, POINTER, Structure, c_char_p, c_double, c_int, c_i
 from functools import cache
 from pathlib import Path
 
-ABI = 3
+ABI = 4
 NAMES = {False: "libamontons.so", True: "libamontons-mpi.so"}  #: for one rank, and on a communicator
 VARIABLES = {False: "AMONTONS_LIBRARY", True: "AMONTONS_MPI_LIBRARY"}
 
@@ -29,6 +29,7 @@ class Options(Structure):
         ("has_checkpoint", c_int32),
         ("is_resumed", c_int32),
         ("is_check", c_int32),
+        ("n_partitions", c_int32),
         ("deck", c_char_p),
         ("text", c_char_p),
         ("job", c_char_p),

@@ -151,6 +151,7 @@ class Job:
         checkpoint: bool = False,
         resume: bool = False,
         check: bool = False,
+        partitions: int = 0,
         user: str | PathLike[str] | None = None,
         old_job: str | PathLike[str] | None = None,
         log: Callable[[str], None] | None = None,
@@ -169,6 +170,7 @@ class Job:
             checkpoint: and job.restart at each commit.
             resume: continue after that checkpoint.
             check: read the deck and check the model, no more.
+            partitions: write files, grid and fields of job.vtkhdf divided into so many (up to 9999), which groups of ranks write.
             user: routines of the user (UMAT, ...): a Fortran file, which is compiled, or a shared library.
             old_job: the job whose restart file (old_job.res) a deck with *RESTART, READ continues from.
             log: is given the lines that the program would print; on several ranks those of the first.
@@ -183,7 +185,7 @@ class Job:
         self._name = name or (Path(deck).stem if deck is not None else "job")
         self._log = Log((lambda _, line: log(line.decode(errors="replace"))) if log else 0)
         options = Options(
-            ABI, threads, files, checkpoint, resume, check, encoded(deck), encoded(text), encoded(name), encoded(outdir),
+            ABI, threads, files, checkpoint, resume, check, partitions, encoded(deck), encoded(text), encoded(name), encoded(outdir),
             encoded(dialect), encoded(user), encoded(old_job), self._log, None,
         )  # fmt: skip
         if comm is None:

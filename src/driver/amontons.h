@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-#define AMONTONS_ABI 3 /* changes when a structure or a signature below does */
+#define AMONTONS_ABI 4 /* changes when a structure or a signature below does */
 
 enum {
   AMONTONS_DONE = 0,          /* success */
@@ -43,6 +43,7 @@ typedef struct {
   int32_t has_checkpoint;  /* 1: and job.restart at each commit */
   int32_t is_resumed;      /* 1: resume from that checkpoint */
   int32_t is_check;        /* 1: read the deck and check the model only */
+  int32_t n_partitions;    /* of job.vtkhdf, each with a file of its own, up to 9999; 0: one file has all */
   const char *deck;        /* path of the deck; with a text only its name in messages */
   const char *text;        /* the deck itself, or NULL */
   const char *job;         /* name of the result files, or NULL: that of the deck */
@@ -54,7 +55,7 @@ typedef struct {
   void *context;           /* first argument of log */
 } amontons_options;
 
-#define AMONTONS_OPTIONS {AMONTONS_ABI, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
+#define AMONTONS_OPTIONS {AMONTONS_ABI, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}
 
 int amontons_abi(void);
 void amontons_version(char *text, int capacity); /* e.g. "0.1.0", ended by 0 */

@@ -156,7 +156,7 @@ contains
   end function needs_trial_points
 
 
-  !> What several ranks cannot do: different decks, and user routines, which keep data of their own between calls.
+  !> What several ranks cannot do: different decks or files, and user routines, which keep data of their own between calls.
   subroutine check_ranks(model, options, error)
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
@@ -164,6 +164,8 @@ contains
     associate (checksum => model%deck_checksum)
       call check_agreement([real(ibits(checksum, 0, 32), DP), real(ibits(checksum, 32, 32), DP)], 'decks', error)
     end associate
+    if (.not. allocated(error)) call check_agreement([real(options%n_partitions, DP), merge(1.0_DP, 0.0_DP, &
+      [options%has_files, options%is_guarded, options%is_resumed])], 'options', error)
     if (allocated(error)) return
     if (allocated(options%user) .or. any(model%materials%is_user)) call set_error(error, EXIT_USAGE, &
       'User routines run with one rank; the job has ' // to_text(n_ranks()) // '.')

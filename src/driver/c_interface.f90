@@ -17,10 +17,10 @@ module amontons_c_interface
   implicit none
   private
 
-  integer(c_int32_t), parameter :: ABI = 3         !< AMONTONS_ABI of the header
+  integer(c_int32_t), parameter :: ABI = 4         !< AMONTONS_ABI of the header
   !> amontons_options of the header.
   type, bind(C) :: options_type
-    integer(c_int32_t) :: abi, n_threads, has_files, has_checkpoint, is_resumed, is_check
+    integer(c_int32_t) :: abi, n_threads, has_files, has_checkpoint, is_resumed, is_check, n_partitions
     type(c_ptr) :: deck, text, job, outdir, dialect, user, old_job
     type(c_funptr) :: log
     type(c_ptr) :: context
@@ -193,7 +193,8 @@ contains
     wanted%n_threads = max(1, options%n_threads)
     wanted%is_guarded = options%has_checkpoint /= 0
     wanted%is_resumed = options%is_resumed /= 0
-    wanted%has_files = options%has_files /= 0 .or. wanted%is_guarded .or. wanted%is_resumed
+    wanted%n_partitions = options%n_partitions
+    wanted%has_files = options%has_files /= 0 .or. wanted%is_guarded .or. wanted%is_resumed .or. wanted%n_partitions /= 0
     wanted%is_check = options%is_check /= 0
     if (.not. c_associated(options%dialect)) return
     select case (name_key(text_at(options%dialect)))

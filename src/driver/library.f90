@@ -16,7 +16,7 @@ module amontons_library
   use amontons_posix, only: process_lock_type, acquire_lock, checksum_of_words
   use amontons_mpi_ranks, only: join_ranks, leave_ranks, n_ranks, is_first_rank, check_agreement, is_shared_by_ranks
   use amontons_logger, only: logger_type, log_sink_type, open_logger, PROGRESS_PLAIN
-  use amontons_model, only: job_options_type
+  use amontons_model, only: job_options_type, MAX_PARTITIONS
   use amontons_increment_control, only: propose_increment
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED
   use amontons_unsymmetric_tangent, only: combine_with_skew
@@ -79,6 +79,11 @@ contains
     whole = options
     if (.not. allocated(whole%deck) .and. .not. allocated(whole%deck_text)) then
       call set_error(error, EXIT_USAGE, 'A job needs a deck: a file or a text.')
+      return
+    end if
+    if (whole%n_partitions < 0 .or. whole%n_partitions > MAX_PARTITIONS) then
+      call set_error(error, EXIT_USAGE, 'The number of partitions is ' // to_text(whole%n_partitions) // '; it can be 1 to ' // &
+        to_text(MAX_PARTITIONS) // ', or 0: one file has all.')
       return
     end if
     call join_ranks(error, communicator)

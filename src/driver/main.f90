@@ -5,7 +5,7 @@ program amontons
   use amontons_posix, only: restart_with_settings, return_large_blocks, set_exit_handler, end_process, install_signal_handlers
   use amontons_version, only: VERSION, DESCRIPTION
   use amontons_logger, only: logger_type, open_logger, PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_NONE
-  use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
+  use amontons_model, only: model_type, job_options_type, MAX_PARTITIONS, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_card_table, only: list_cards
   use amontons_deck, only: explain_deck
   use amontons_model_setup, only: add_general_contact
@@ -19,8 +19,6 @@ program amontons
 
   integer, parameter :: ACTION_RUN = 0, ACTION_HELP = 1, ACTION_VERSION = 2, ACTION_CARDS = 3, ACTION_EXPLAIN = 4, &
     ACTION_ESTIMATE = 5
-
-  integer, parameter :: MAX_PARTITIONS = 9999    !< of the results: four digits in the names of their files
 
   !> Options of the command line.
   type :: command_type

@@ -20,12 +20,13 @@ module amontons_model
     has_unsymmetric_elements, with_pretension_copies, new_equation, append_equation, append_mpc, &
     gather_constraints, &
     is_out, absent_elements, material_in_step, load_now, displacement_now, &
-    DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
+    MAX_PARTITIONS, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
   real(DP), parameter :: TOL_ZERO_COEFFICIENT = 1.0e-14_DP   !< coefficients below this times the largest are dropped [-]
   integer, parameter :: DIALECT_FROM_DECK = 0   !< option only: the deck's first comments decide, else abaqus
   integer, parameter :: DIALECT_ABAQUS = 1
   integer, parameter :: DIALECT_CALCULIX = 2
+  integer, parameter :: MAX_PARTITIONS = 9999    !< of the results: four digits in the names of their files
 
   !> Job options from the command line or a calling program.
   type :: job_options_type
@@ -40,7 +41,7 @@ module amontons_model
     character(:), allocatable :: user           !< file with user routines, Fortran or a shared library
     logical :: has_files = .true.               !< write result files
     logical :: has_frd = .false.                !< write all fields to job.frd, whatever the cards request
-    integer :: n_partitions = 0                 !< of the results, each with a file of its own; 0: one file has all
+    integer :: n_partitions = 0                 !< of the results, a file each, up to MAX_PARTITIONS; 0: one file has all
     logical :: is_guarded = .false.             !< a checkpoint after each converged increment
     logical :: is_resumed = .false.             !< continue from the checkpoint
     logical :: handles_signals = .false.          !< SIGINT and SIGTERM stop the job, SIGUSR1 requests its status

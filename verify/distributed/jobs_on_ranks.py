@@ -1,9 +1,9 @@
 """Jobs of the library on a communicator, to be run by mpiexec: what each rank gets goes to FOLDER/rank<r>.npz.
 
-    mpiexec -n 3 python -m verify.distributed.jobs_on_ranks conversation|half|errors FOLDER
+    mpiexec -n 3 python -m verify.distributed.jobs_on_ranks conversation|half|partitions|errors FOLDER
 
 `conversation` makes the calls that test_library_on_ranks.py makes with the library of one rank. `half` has jobs on parts of the ranks, then one on
-all. `errors` collects the messages of calls that fail.
+all. `partitions` writes results in two partitions. `errors` collects the messages of calls that fail.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -18,6 +18,7 @@ import numpy as np
 
 import amontons
 from verify.benchmark.estimate_table import cube
+from verify.benchmark.wide_contact import Model, deck_of
 from verify.decks.make_decks import block_deck
 
 QUANTITIES = ("U", "RF", "S", "E", "CPRESS", "CSHEAR", "COPEN", "CSTATUS", "CSCENARIO", "CONTACT FORCE", "INTERNAL FORCE", "RESIDUAL", "POINT S", "POINT E",
@@ -81,6 +82,13 @@ def halves(comm: object, _: Path) -> dict[str, np.ndarray]:
     return found
 
 
+def partitions(comm: object, folder: Path) -> dict[str, np.ndarray]:
+    """The contact of test_partitions.py with a file for each of two groups of ranks."""
+    with amontons.Job(text=deck_of(Model(5)), name="job", outdir=folder, partitions=2, comm=comm) as job:
+        job.run()
+        return {"U": job.get("U")}
+
+
 def message_of(call: Callable[[], object]) -> str:
     """Kind and text of the error of a call."""
     try:
@@ -101,6 +109,8 @@ def errors(comm: object, folder: Path) -> dict[str, np.ndarray]:
         "different decks": message_of(lambda: amontons.Job(text=cube(2 + comm.rank % 2, ""), comm=comm)),
         "user": message_of(lambda: amontons.Job(text=cube(2, ""), user="routine.f90", comm=comm)),
         "alone": message_of(lambda: amontons.Job(text=cube(2, ", SOLVER=GAMG"))),
+        "different partitions": message_of(lambda: amontons.Job(text=cube(2, ""), outdir=folder, partitions=1 + comm.rank, comm=comm)),
+        "partitions": message_of(lambda: amontons.Job(text=cube(2, ""), outdir=folder, partitions=-1, comm=comm)),
         "folder": message_of(lambda: amontons.Job(text=cube(2, ""), outdir=folder / "nowhere", files=True, comm=comm)),
     }
     with amontons.Job(text=block_deck(2), comm=comm) as job:
@@ -120,7 +130,7 @@ def main(words: list[str]) -> None:
     """What one rank does."""
     from mpi4py import MPI
 
-    work = {"conversation": converse, "half": halves, "errors": errors}[words[0]]
+    work = {"conversation": converse, "half": halves, "partitions": partitions, "errors": errors}[words[0]]
     np.savez(Path(words[1]) / f"rank{MPI.COMM_WORLD.rank}.npz", **work(MPI.COMM_WORLD, Path(words[1])))
 
 

@@ -89,7 +89,8 @@ def test_errors_on_all_ranks(tmp_path: Path) -> None:
     first, second = on_ranks(2, "errors", tmp_path)
     words = {
         "deck": "DeckError: ", "no rank": "UsageError: This process is not in the communicator", "user": "UsageError: User routines run with one rank",
-        "different decks": "UsageError: The ranks give different decks.", "alone": "DeckError: ", "folder": "FileError: ",
+        "different decks": "UsageError: The ranks give different decks.", "alone": "DeckError: ",
+        "different partitions": "UsageError: The ranks give different options.", "partitions": "UsageError: The number of partitions is -1;", "folder": "FileError: ",
         "other": "UsageError: A process has one communicator at a time", "step": "UsageError: The ranks give different time steps.",
         "set": "UsageError: The ranks give different values of U3.", "name": "UsageError: ", "not converged": "NotConvergedError: ", "continues": "0.1",
     }  # fmt: skip

@@ -28,6 +28,7 @@ from amontons.report.data import read_job
 from verify.benchmark.wide_contact import Model, deck_of
 from verify.decks import behaviour_decks
 from verify.distributed.ranks_and_serial import DIALECT, environment, execute, program, run
+from verify.distributed.test_library_on_ranks import on_ranks
 from verify.distributed.test_ranks import ranks_of
 from verify.study.gradients_samples import sample
 
@@ -213,6 +214,28 @@ def test_samples(tmp_path: Path, name: str) -> None:
     one, divided = run(tmp_path / "one", deck, 0), run(tmp_path / "divided", deck, 0, "--partitions", "3")
     assert (one.code, divided.code) == (0, 0), divided.text
     expect_same(tmp_path / "one" / "job.vtkhdf", tmp_path / "divided" / "job.vtkhdf", 3)
+
+
+def test_library(tmp_path: Path) -> None:
+    """The library writes what the program writes, divided, and says which numbers are allowed."""
+    deck = deck_of(Model(5))
+    assert run(tmp_path / "one", deck, 0).code == 0
+    with amontons.Job(text=deck, name="job", outdir=tmp_path, partitions=3) as job:
+        job.run()
+    expect_same(tmp_path / "one" / "job.vtkhdf", tmp_path / "job.vtkhdf", 3)
+    with pytest.raises(amontons.UsageError, match="is 10000; it can be 1 to 9999"):
+        amontons.Job(text=deck, partitions=10000)
+
+
+@needs_ranks
+def test_library_on_ranks(tmp_path: Path) -> None:
+    """A job of Python on a communicator writes a file for each group of ranks: bit by bit the fields of one file."""
+    one, folder = run(tmp_path / "one", deck_of(Model(5)), 2), tmp_path / "divided"
+    assert one.code == 0, one.text
+    folder.mkdir()
+    on_ranks(2, "partitions", folder)
+    assert sorted(path.name for path in folder.glob("*.vtkhdf")) == ["job.partition-0001.vtkhdf", "job.partition-0002.vtkhdf", "job.vtkhdf"]
+    expect_same(tmp_path / "one" / "job.vtkhdf", folder / "job.vtkhdf", 2)
 
 
 def n_frames_of(path: Path) -> int:

@@ -36,7 +36,8 @@ program test_c_interface
 
   !> amontons_options.
   type, bind(C) :: options_type
-    integer(c_int32_t) :: abi = 3, n_threads = 1, has_files = 0, has_checkpoint = 0, is_resumed = 0, is_check = 0
+    integer(c_int32_t) :: abi = 4, n_threads = 1, has_files = 0, has_checkpoint = 0, is_resumed = 0, is_check = 0, &
+      n_partitions = 0
     type(c_ptr) :: deck = c_null_ptr, text = c_null_ptr, job = c_null_ptr, outdir = c_null_ptr, dialect = c_null_ptr, &
       user = c_null_ptr, old_job = c_null_ptr
     type(c_funptr) :: log = c_null_funptr
@@ -207,7 +208,7 @@ contains
   !> The version is cut off at the capacity.
   subroutine check_version()
     character(kind=c_char), target :: text(40)
-    call suite%that('the binary interface', c_abi() == 3)
+    call suite%that('the binary interface', c_abi() == 4)
     text = 'x'
     call c_version(c_loc(text), 40_c_int64_t)
     call suite%that('the version', all(text(:len(VERSION)) == transfer(VERSION, text)) .and. text(len(VERSION) + 1) == c_null_char)
@@ -229,16 +230,21 @@ contains
     call suite%that('its message', has_message(handle, 'needs a deck'))
     call c_close(handle)
     options%text = c_text(cube_deck())
-    options%abi = 2
+    options%abi = 3
     call suite%that('another interface', c_open(c_loc(options), c_loc(handle)) == EXIT_USAGE)
     call suite%that('its message', has_message(handle, 'binary interface'))
     call c_close(handle)
-    options%abi = 3
+    options%abi = 4
     options%dialect = c_text('nastran')
     call suite%that('another dialect', c_open(c_loc(options), c_loc(handle)) == EXIT_USAGE)
     call suite%that('its message', has_message(handle, 'abaqus or calculix'))
     call c_close(handle)
     options%dialect = c_text('CalculiX')
+    options%n_partitions = 10000
+    call suite%that('too many partitions', c_open(c_loc(options), c_loc(handle)) == EXIT_USAGE)
+    call suite%that('its message', has_message(handle, 'is 10000; it can be 1 to 9999'))
+    call c_close(handle)
+    options%n_partitions = 0
     options%is_check = 1
     n_lines = 0
     options%log = c_funloc(count_line)
