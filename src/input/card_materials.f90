@@ -80,6 +80,7 @@ contains
       'the curve; COMBINED: it moves by the growth of this curve and grows as CYCLIC HARDENING says.', &
       allowed='ISOTROPIC|KINEMATIC|COMBINED', default='ISOTROPIC')
     call table%reject_words('USER|JOHNSON COOK|STATIC RECOVERY', 'Give a table.')
+    call table%add_dialect_note('calculix: the first strain may be greater than 0; the yield stress is constant below it.')
     call table%option('DATA TYPE', VALUE_WORD, 'What the curve of COMBINED is.', allowed='HALF CYCLE', &
       default='HALF CYCLE')
     call table%reject_words('PARAMETERS|STABILIZED', 'Give the curve of a half cycle.')

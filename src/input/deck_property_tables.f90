@@ -191,6 +191,12 @@ contains
     subroutine close_curve()
       integer :: k
       if (any(curve%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
+      if (reader%dialect == DIALECT_CALCULIX .and. curve%strain(1) > 0) then
+        call report_note(reader, reader%cards%cards(c)%line, 'The hardening curve begins at the plastic strain ' // &
+          to_text(curve%strain(1)) // ': below, its first yield stress is constant, as in CalculiX.')
+        curve%strain = [0.0_DP, curve%strain]
+        curve%stress = [curve%stress(1), curve%stress]
+      end if
       if (abs(curve%strain(1)) > 0) call report_error(reader, reader%cards%cards(c)%line, &
         'The plastic strain of the first point of a hardening curve must be 0.')
       k = size(curve%strain)

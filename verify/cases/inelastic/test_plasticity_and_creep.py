@@ -188,6 +188,24 @@ def follow_path(x: tuple[float, ...], y: tuple[float, ...], slope: float) -> lis
 # ------------------------------------------------------------------------------------------- bending and springback
 
 
+@pytest.mark.parametrize("dialect", ["calculix", "abaqus"])
+def test_curve_begins_late(run_deck: Run, tmp_path: Path, dialect: str) -> None:
+    """A hardening curve from the plastic strain 0.01 on: under calculix the stress of a pulled cube stays at 10 up to there and grows by
+    E H/(E + H) = 500 de then (E = H = 1000; what CalculiX 2.20 gives too), under abaqus it is an error."""
+    cards = f"** dialect: {dialect}\n*NODE, NSET=ALL\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n"
+    cards += "*ELEMENT, TYPE=C3D8, ELSET=ALL\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=END\n2, 3, 6, 7\n"
+    cards += material("1000., 0.", "*PLASTIC\n10., 0.01\n20., 0.02\n")
+    cards += "*BOUNDARY\n1, 1, 3\n4, 1\n5, 1, 2\n8, 1\n2, 2, 3\n6, 2\n3, 3\n4, 3\n"
+    cards += "*STEP\n*STATIC, DIRECT\n0.1, 1.\n*BOUNDARY\nEND, 1, 1, 0.04\n*NODE PRINT, NSET=END\nRF\n*END STEP\n"
+    done = run_deck(cards)
+    if dialect == "abaqus":
+        assert done.returncode == 3 and "first point of a hardening curve must be 0" in done.stdout + done.stderr
+        return
+    assert done.returncode == 0 and "begins at the plastic strain 0.01" in done.stdout + done.stderr
+    stress = [sum(row[0] for row in table.rows.values()) for table in read_dat(tmp_path / "job.dat")]
+    assert stress == pytest.approx([4.0, 8.0, 10.0, 10.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0], rel=1e-6)
+
+
 def test_springback(proof: Proof) -> None:
     """A strip bent beyond its yield moment and released."""
     height, length, e, limit = 2.0, 0.2, 1000.0, 1.0

@@ -146,7 +146,7 @@ def test_change_plastic(run_deck: Run, tmp_path: Path, change: str, expected: fl
     ("*CHANGE MATERIAL, NAME=NONE\n*CHANGE PLASTIC\n4., 0.\n", "There is no material 'NONE'"),
     ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC, HARDENING=KINEMATIC\n4., 0.\n", "has no *PLASTIC with this HARDENING"),
     ("*CHANGE PLASTIC\n4., 0.\n", "must be in the block of a *CHANGE MATERIAL"),
-    ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC\n4., .1\n", "first point of a hardening curve must be 0"),
+    ("*CHANGE MATERIAL, NAME=M\n*CHANGE PLASTIC\n4., 0.\n5., 0.\n", "plastic strains of a hardening curve must ascend"),
 ])  # fmt: skip
 def test_wrong_change(run_deck: Run, change: str, message: str) -> None:
     """The message."""
