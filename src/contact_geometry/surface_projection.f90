@@ -68,9 +68,10 @@ contains
 
   !> Tracks the projection of a point from a facet over its neighbours to the current facet.
   !!
-  !! The walk crosses smooth edges and concave creases. At a free edge or a convex crease the facet has an extension zone of a tenth
-  !! of its length (as in Abaqus); beyond it the walk tries the other side of the crease, else the point is OUTSIDE. Unless the
-  !! status is INSIDE, f is the last facet of the walk. A node with an extended edge has a larger extension.
+  !! The walk crosses smooth edges and creases. At a free edge the facet has an extension zone of a tenth of its length (as in
+  !! Abaqus); beyond it the point is OUTSIDE. Where the normal jumps at every edge, a convex crease has that zone too, and the walk
+  !! tries its other side beyond. Unless the status is INSIDE, f is the last facet of the walk. A node with an extended edge has a
+  !! larger extension.
   pure subroutine track_projection(facets, x, point, f, xi, g, n, status, extension)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -473,7 +474,8 @@ contains
     kept = merge(EDGE_HYSTERESIS, TOL_ON_EDGE, facets%is_faceted)
     if (facets%is_faceted .and. extension > EXTENSION_ZONE) kept = extension
     do k = 1, 4
-      is_open(k) = facets%edge(k, f) == EDGE_SMOOTH .or. facets%edge(k, f) == EDGE_CONCAVE
+      is_open(k) = facets%edge(k, f) == EDGE_SMOOTH .or. facets%edge(k, f) == EDGE_CONCAVE .or. &
+        (facets%edge(k, f) == EDGE_CONVEX .and. .not. facets%is_faceted)
     end do
     is_out = excess > kept
     if (any(is_out .and. is_open)) then

@@ -124,7 +124,7 @@ def snap_hook(contact: str, largest: float, way: float = 6.6, n: int = 3) -> str
 
     hook = grid("HOOK", np.concatenate(lines), between(0, 1, 3 * n), place=hook_at)
     steps = ends[3] + 0.3 + np.cumsum([0.0, depth / np.tan(np.radians(40)), 0.8, depth / np.tan(np.radians(75))])
-    m = n - 1
+    m = max(n - 1, 1)
     lines = [between(steps[0] - 2, steps[0], 3 * m), *(between(*steps[i : i + 2], k * m)[1:] for i, k in enumerate((3, 2, 2))),
              between(steps[3], steps[3] + 6, 4 * m)[1:]]  # fmt: skip
 

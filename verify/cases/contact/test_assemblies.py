@@ -102,3 +102,19 @@ def test_snap_hook(run: Run, tmp_path: Path, form: str, n: int) -> None:
     assert np.abs(u - [way, 0, 0]).max() <= 1e-9 * way
     assert forces.max() > 0.5  # it was bent
     assert np.abs(at_the_end(path, "RF")).max() <= 1e-9 * forces.max()
+
+
+def test_snap_hook_passes_a_corner(run: Run, tmp_path: Path) -> None:
+    """The coarsest hook by nodes clears the side of the catch by 0.05 and glides over it. Without friction the catch pushes along its
+    normals, of which the flank's, at 40 degrees, is the most inclined one against the way: the push is at most tan(40 degrees) of the
+    force across. A node that the side held above its upper corner would be pushed along the way, and the ratio would have no bound.
+    """
+    contact = by_hand(0.0, "HOOK_SKIN, CATCH_SKIN").replace("SURFACE TO SURFACE", "NODE TO SURFACE").replace("*FRICTION\n0.0\n", "")
+    path = solve(run, tmp_path, "corner", snap_hook(contact, 0.05, 6.8, 1))
+    with h5py.File(path) as file:
+        m = int(file["VTKHDF/NumberOfPoints"][-1])
+        is_root = np.abs(np.asarray(file["VTKHDF/Points"])[-m:, 0]) < 1e-9
+        force = np.asarray(file["VTKHDF/PointData/RF"]).reshape(-1, m, 3)[:, is_root].sum(axis=1)
+    push, across = force[:, 0], -force[:, 1]
+    assert across.max() > 0.5  # it was bent
+    assert np.all(push <= np.tan(np.radians(40)) * across + 1e-6 * across.max())

@@ -449,7 +449,7 @@ contains
   end subroutine check_free_edges
 
 
-  !> A convex crease: the facet extends a tenth beyond it, then the other side takes over, or none.
+  !> A convex crease: the other side takes over beyond it; beyond both the nearer one, within a tenth of its length.
   subroutine check_ridge(suite)
     type(suite_type), intent(inout) :: suite
     type(mesh_type) :: mesh
@@ -462,12 +462,23 @@ contains
     call fold(mesh, 1.0_DP, PI / 2)
     call build_facets(mesh, element, face, facets, error)
     f = 1
+    call track_projection(facets, mesh%coordinates, [1.02_DP, 0.5_DP, 0.05_DP], f, xi, g, n, status)
+    call suite%that('ridge: beyond both sides the nearer one', &
+      status == PROJECTION_INSIDE .and. f == 1 .and. abs(g - 0.05_DP) < 1.0e-14_DP)
     call track_projection(facets, mesh%coordinates, [1.05_DP, 0.5_DP, 0.02_DP], f, xi, g, n, status)
-    call suite%that('ridge: the extension holds', status == PROJECTION_INSIDE .and. f == 1 .and. abs(g - 0.02_DP) < 1.0e-14_DP)
+    call suite%that('ridge: nearer to the other side', &
+      status == PROJECTION_INSIDE .and. f == 2 .and. abs(g - 0.05_DP) < 1.0e-14_DP)
+    f = 1
     call track_projection(facets, mesh%coordinates, [1.05_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
-    call suite%that('ridge: it holds from below', status == PROJECTION_INSIDE .and. f == 1)
+    call suite%that('ridge: beside the body, not behind its top', &
+      status == PROJECTION_INSIDE .and. f == 2 .and. abs(g - 0.05_DP) < 1.0e-14_DP)
+    f = 2
+    call track_projection(facets, mesh%coordinates, [0.95_DP, 0.5_DP, 0.05_DP], f, xi, g, n, status)
+    call suite%that('ridge: above the body, not behind its side', &
+      status == PROJECTION_INSIDE .and. f == 1 .and. abs(g - 0.05_DP) < 1.0e-14_DP)
+    f = 1
     call track_projection(facets, mesh%coordinates, [1.15_DP, 0.5_DP, -0.3_DP], f, xi, g, n, status)
-    call suite%that('ridge: past it the other side', &
+    call suite%that('ridge: farther out', &
       status == PROJECTION_INSIDE .and. f == 2 .and. abs(g - 0.15_DP) < 1.0e-14_DP)
     call suite%near('ridge: its normal', n(1), 1.0_DP, 1.0e-14_DP)
     f = 1
