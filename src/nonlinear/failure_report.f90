@@ -73,7 +73,8 @@ contains
     case (OUTCOME_LINEAR_SOLVER)
       failure%code = FAILURE_SINGULAR
       if (state%old%total_time > 0.0_DP .and. system%n_shifted > newton%n_shifted) failure%code = FAILURE_LIMIT_POINT
-      if (size(state%new%slaves) > 0 .and. all(state%new%slaves%status == STATUS_OPEN)) failure%code = FAILURE_FREE_OPEN
+      if (size(state%new%slaves) == 0 .or. any(state%new%slaves%status /= STATUS_OPEN)) return
+      if (.not. is_held_by_supports(model, system, state)) failure%code = FAILURE_FREE_OPEN
     case (OUTCOME_CONSTRAINTS)
       failure%code = FAILURE_CONSTRAINTS
       failure%detail = system%conflict%message
