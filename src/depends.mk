@@ -181,7 +181,7 @@ uses_boundary_conditions = kinds errors mesh steps model state user_state constr
 uses_tie_generation = kinds text errors tensor element_kinds loads mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
-uses_body_motion = kinds loads mesh model
+uses_body_motion = kinds containers loads materials mesh model exterior_surface
 uses_slave_nodes = kinds surfaces slave_node_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
 uses_shared_slave_nodes = kinds containers facets slave_node_overrides state
@@ -198,7 +198,7 @@ uses_rigid_exterior = kinds text element_kinds mpc_data model
 uses_driven_slaves = kinds text surfaces model state shared_slave_nodes contact_pairs rigid_exterior
 uses_face_proximity = kinds facets exterior_surface facet_search mortar_segmentation contact_pairs rigid_exterior
 uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search body_thickness mortar_segmentation body_motion shared_slave_nodes contact_pairs contact_heights rigid_exterior face_proximity
-uses_self_contact_pairs = kinds text element_kinds materials surfaces model exterior_surface mortar_segmentation body_motion general_contact
+uses_self_contact_pairs = kinds text element_kinds surfaces model exterior_surface mortar_segmentation body_motion general_contact
 uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs face_proximity general_contact self_contact_pairs
 uses_unpaired_crossing = kinds text containers surfaces model exterior_surface facet_search facet_crossing mortar_segmentation state body_motion rigid_exterior face_proximity general_contact unpaired_contact
 

@@ -16,7 +16,7 @@ module amontons_general_contact
   use amontons_elasticity, only: small_strain_modulus
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
   use amontons_model, only: model_type, absent_elements
-  use amontons_body_motion, only: estimate_motion, are_rotations_prescribed
+  use amontons_body_motion, only: estimate_motion, are_rotations_prescribed, find_folding_bodies
   use amontons_contact_heights, only: assign_heights
   use amontons_exterior_surface, only: exterior_type, build_exterior, is_thin, has_area
   use amontons_body_thickness, only: measure_body_thickness
@@ -71,6 +71,7 @@ module amontons_general_contact
     integer, allocatable :: group(:)               !< (n) number of patch and surfaces: faces of a group follow the same rules
     integer :: n_groups = 0
     logical :: can_turn = .false.                  !< steps prescribe rotations
+    logical, allocatable :: folds(:)               !< (n_bodies) the body folds: its faces can turn
     integer, allocatable :: height_class(:)        !< (n) number of the height
     integer :: n_heights = 0                       !< different ones
     integer, allocatable :: member(:)              !< (n_groups) a face of the group
@@ -152,6 +153,7 @@ contains
     call collect_memberships(model, exterior, data)
     call number_groups(exterior, data)
     data%can_turn = are_rotations_prescribed(model)
+    data%folds = find_folding_bodies(model, exterior, data%is_rigid)
   end subroutine collect_face_data
 
 
@@ -422,22 +424,24 @@ contains
         call near%other%add(j)
       end do
     end do
-    if (motion > near_motion) call add_reachable_faces(rules, exterior, data, active, motion + radius * largest_edge + height, near)
+    if (motion > near_motion .or. (any(data%folds) .and. .not. near%has_all_couples)) call add_reachable_faces(rules, exterior, &
+      data, active, motion + radius * largest_edge + height, motion > near_motion, near)
   end subroutine find_near_faces
 
 
   !> The faces of groups that can meet somewhere on a long way: groups of different bodies with opposing normals, or any where steps
-  !! prescribe rotations, and of them the faces within the reach of the other group's box.
-  subroutine add_reachable_faces(rules, exterior, data, active, reach, near)
+  !! prescribe rotations or a body folds, and of them the faces within the reach of the other group's box.
+  subroutine add_reachable_faces(rules, exterior, data, active, reach, is_long, near)
     type(general_contact_type), intent(in) :: rules
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(in) :: data
     integer, intent(in) :: active(:)               !< faces
     real(DP), intent(in) :: reach                  !< the way and the radius of the search [length]
+    logical, intent(in) :: is_long                 !< of a short way only groups of bodies that fold are compared
     type(near_faces_type), intent(inout) :: near
     real(DP) :: box(3, 2, data%n_groups)
     integer, allocatable :: first(:), members(:)
-    logical :: can_move
+    logical :: can_move, can_turn
     integer :: g, h, i
     box(:, 1, :) = huge(1.0_DP)
     box(:, 2, :) = -huge(1.0_DP)
@@ -451,12 +455,14 @@ contains
       do h = 1, data%n_groups
         if (first(g) == first(g + 1) .or. first(h) == first(h + 1)) cycle
         if (exterior%body(data%member(g)) == exterior%body(data%member(h))) cycle
+        can_turn = any(data%folds(exterior%body(data%member([g, h]))))
+        if (.not. (is_long .or. can_turn)) cycle
         if (box_distance(box(:, :, g), box(:, :, h)) > reach) cycle
         if (find_interaction(rules, data, g, h, 0) == 0) cycle
         call judge_motion(exterior, data, data%member(g), data%member(h), near, can_move)
         if (.not. can_move) cycle
         call add_opposing_faces(exterior, active(members(first(g):first(g + 1) - 1)), active(members(first(h):first(h + 1) - 1)), &
-          box(:, :, h), h, reach, data%can_turn, near)
+          box(:, :, h), h, reach, data%can_turn .or. can_turn, near)
       end do
     end do
   end subroutine add_reachable_faces
@@ -470,7 +476,7 @@ contains
     real(DP), intent(in) :: box(3, 2)              !< of the other group [length]
     integer, intent(in) :: h                       !< the other group
     real(DP), intent(in) :: reach                  !< [length]
-    logical, intent(in) :: can_turn                !< steps prescribe rotations
+    logical, intent(in) :: can_turn                !< steps prescribe rotations, or a body folds
     type(near_faces_type), intent(inout) :: near
     integer, parameter :: MAX_SAMPLED_FACES = 200
     integer :: i, k, stride

@@ -2,16 +2,15 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Two faces of a body *face each other* if their normals oppose and each is in front of the other, as across a slot. The pair of a
-!! body has the faces that face each other within the way that the nodes can move in the steps, and an edge more. A body of rubber
-!! or foam, or with REACH any body, *folds* if that way is as long as the half circle around its thickness, 2 V/A: then all its
-!! faces can meet. One pair for each body has these faces, as slave and as master (amontons_self_contact_visibility).
+!! body has the faces that face each other within the way that the nodes can move in the steps, and an edge more; of a body that
+!! folds (amontons_body_motion) it has all faces. One pair for each body has these faces, as slave and as master
+!! (amontons_self_contact_visibility).
 !!
 !! Faces that met against this estimate are found after each increment (amontons_unpaired_contact).
 module amontons_self_contact_pairs
-  use amontons_kinds, only: DP, PI
+  use amontons_kinds, only: DP
   use amontons_text, only: plural, NEWLINE
   use amontons_model, only: model_type
-  use amontons_materials, only: ELASTIC_HYPER, ELASTIC_FOAM
   use amontons_element_kinds, only: has_midsides
   use amontons_surfaces, only: surface_type, contact_pair_type, is_compliant
   use amontons_exterior_surface, only: exterior_type
@@ -21,10 +20,9 @@ module amontons_self_contact_pairs
     find_interaction, make_surface, body_name
   implicit none
   private
-  public :: add_self_pairs, body_thickness, self_contact_obstacle, FOLD_RATIO
+  public :: add_self_pairs, self_contact_obstacle
 
   integer, parameter :: MAX_COMPARED_FACES = 2000           !< faces of a body that each of its faces is compared with
-  real(DP), parameter :: FOLD_RATIO = 0.5_DP * PI           !< way of a body that folds, over its thickness [-]
 
 contains
 
@@ -45,8 +43,7 @@ contains
     do b = 1, exterior%n_bodies
       own = pack([(f, f=1, exterior%n)], exterior%body == b .and. .not. data%is_rigid)
       if (size(own) == 0) cycle
-      if (motion >= FOLD_RATIO * body_thickness(exterior, own) .and. (model%general_contact%reach > 0.0_DP .or. &
-        all(is_rubber(exterior%element(own))))) then
+      if (data%folds(b)) then
         interaction = [(find_interaction(model%general_contact, data, data%group(own(i)), data%group(own(i)), 0), i=1, size(own))]
       else
         call find_facing_faces(model, exterior, data, own, motion, interaction)
@@ -55,34 +52,7 @@ contains
         call append_self_pair(model, exterior, data, own, interaction, found, text)
       end do
     end do
-
-  contains
-
-    !> Whether the material of an element is rubber or foam.
-    elemental logical function is_rubber(e)
-      integer, intent(in) :: e
-      is_rubber = .false.
-      if (model%mesh%material(e) > 0) is_rubber = any(model%materials(model%mesh%material(e))%elastic_kind == &
-        [ELASTIC_HYPER, ELASTIC_FOAM])
-    end function is_rubber
-
   end subroutine add_self_pairs
-
-
-  !> The mean thickness of a body, 2 V/A: of a sheet its thickness, of a cube a third of its edge. Method: divergence theorem.
-  pure real(DP) function body_thickness(exterior, own) result(thickness)
-    type(exterior_type), intent(in) :: exterior
-    integer, intent(in) :: own(:)                  !< faces of the body
-    real(DP) :: middle(3), n_dimensions
-    integer :: i
-    middle = sum(exterior%centre(:, own), dim=2) / real(size(own), DP)
-    n_dimensions = merge(2.0_DP, 3.0_DP, all(exterior%n_corners(own) == 2))
-    thickness = 0.0_DP
-    do i = 1, size(own)
-      thickness = thickness + exterior%area(own(i)) * dot_product(exterior%centre(:, own(i)) - middle, exterior%normal(:, own(i)))
-    end do
-    thickness = abs(2 * thickness / n_dimensions / sum(exterior%area(own)))
-  end function body_thickness
 
 
   !> The interaction of each face of a body with a face that it faces; 0: it faces none.

@@ -13,11 +13,11 @@ module amontons_unpaired_contact
   use amontons_exterior_surface, only: exterior_type, measure_faces, reached_depth, is_thin
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO, MAX_DEPTH_SHARE
-  use amontons_body_motion, only: estimate_motion, displacement_span
+  use amontons_body_motion, only: estimate_motion, displacement_span, body_thickness, FOLD_RATIO
   use amontons_general_contact, only: face_data_type, near_faces_type, build_model_exterior, collect_face_data, &
     find_near_faces, find_interaction, body_name, TOUCHING_RADIUS, is_rigid_sheet
   use amontons_face_proximity, only: list_facets, exterior_positions, box_distance
-  use amontons_self_contact_pairs, only: body_thickness, self_contact_obstacle, FOLD_RATIO
+  use amontons_self_contact_pairs, only: self_contact_obstacle
   implicit none
   private
   public :: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
