@@ -110,8 +110,9 @@ contains
   end function displacement_span
 
 
-  !> The way by which prescribed displacements of a step, of the axes together, and rotations can bring nodes together: along an axis
-  !! the difference of the largest and the least, of which supports are zero; a velocity counts as the extent of the mesh [length].
+  !> The way by which prescribed displacements of a step, of the axes together, and rotations can bring nodes together: along an
+  !! axis the difference of the largest and the least, of which supports are zero; a velocity counts as the extent of the mesh
+  !! [length].
   pure real(DP) function largest_motion(model, prescribed) result(largest)
     type(model_type), intent(in) :: model
     type(prescribed_type), intent(in) :: prescribed(:)
