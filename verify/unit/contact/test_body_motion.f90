@@ -19,9 +19,10 @@ program test_body_motion
   type(suite_type) :: suite
   type(model_type) :: model
   call check_motion('without NLGEOM', '', '*BOUNDARY;1,1,1,5.;', 0.0_DP)
-  call check_motion('a displacement', ', NLGEOM', '*BOUNDARY;1,1,1,-5.;2,1,1,3.;', 5.0_DP)
+  call check_motion('displacements from one side', ', NLGEOM', '*BOUNDARY;1,1,1,5.;2,1,1,3.;', 5.0_DP)
+  call check_motion('displacements from both sides', ', NLGEOM', '*BOUNDARY;1,1,1,-5.;2,1,1,3.;', 8.0_DP)
   call check_motion('a displacement across the axes', ', NLGEOM', '*BOUNDARY;1,1,1,-3.;2,2,2,4.;', 5.0_DP)
-  call check_motion('an amplitude', ', NLGEOM', '*BOUNDARY, AMPLITUDE=TWICE;1,1,1,5.;', 10.0_DP)
+  call check_motion('an amplitude of both signs', ', NLGEOM', '*BOUNDARY, AMPLITUDE=TWICE;1,1,1,5.;', 15.0_DP)
   call check_motion('a velocity', ', NLGEOM', '*BOUNDARY, TYPE=VELOCITY;1,1,1,5.;', EXTENT)
   call check_motion('a rotation', ', NLGEOM', '*BOUNDARY;90,4,4,0.5;', 0.25_DP * EXTENT)
   call check_motion('a force', ', NLGEOM', '*CLOAD;1,1,7.;', 0.05_DP * EXTENT)
