@@ -198,7 +198,7 @@ uses_rigid_exterior = kinds text element_kinds mpc_data model
 uses_driven_slaves = kinds text surfaces model state shared_slave_nodes contact_pairs rigid_exterior
 uses_face_proximity = kinds facets exterior_surface facet_search mortar_segmentation contact_pairs rigid_exterior
 uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search body_thickness mortar_segmentation body_motion shared_slave_nodes contact_pairs contact_heights rigid_exterior face_proximity
-uses_self_contact_pairs = kinds text element_kinds surfaces model exterior_surface mortar_segmentation body_motion general_contact
+uses_self_contact_pairs = kinds text element_kinds surfaces model exterior_surface mortar_segmentation general_contact
 uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs face_proximity general_contact self_contact_pairs
 uses_unpaired_crossing = kinds text containers surfaces model exterior_surface facet_search facet_crossing mortar_segmentation state body_motion rigid_exterior face_proximity general_contact unpaired_contact
 

@@ -53,17 +53,16 @@ contains
 
 
   !> Whether each body folds; none does without general contact.
-  pure function find_folding_bodies(model, exterior, is_rigid) result(folds)
+  pure function find_folding_bodies(model, exterior, is_rigid, motion) result(folds)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
     logical, intent(in) :: is_rigid(:)             !< faces of rigid bodies
+    real(DP), intent(in) :: motion                 !< way of the bodies (estimate_motion) [length]
     logical :: folds(exterior%n_bodies)
     integer, allocatable :: first(:), members(:), own(:)
-    real(DP) :: motion
     integer :: b
     folds = .false.
     if (.not. allocated(model%general_contact)) return
-    motion = estimate_motion(model)
     call list_groups(exterior%body, exterior%n_bodies, first, members)
     do b = 1, exterior%n_bodies
       own = members(first(b):first(b + 1) - 1)

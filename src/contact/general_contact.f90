@@ -70,6 +70,7 @@ module amontons_general_contact
     integer, allocatable :: given_pair(:)          !< of each of them: the given pair; 0: an exclusion or a tie
     integer, allocatable :: group(:)               !< (n) number of patch and surfaces: faces of a group follow the same rules
     integer :: n_groups = 0
+    real(DP) :: motion = 0                         !< way of the bodies in the steps [length]
     logical :: can_turn = .false.                  !< steps prescribe rotations
     logical, allocatable :: folds(:)               !< (n_bodies) the body folds: its faces can turn
     integer, allocatable :: height_class(:)        !< (n) number of the height
@@ -105,7 +106,6 @@ contains
     type(exterior_type) :: exterior
     type(face_data_type) :: data
     type(near_faces_type) :: near
-    real(DP) :: motion
     integer :: i
     text = ''
     allocate (found%pairs(0), found%surfaces(0))
@@ -115,9 +115,8 @@ contains
     found%warning = unpaired_edges_warning(model)
     call build_model_exterior(model, exterior)
     call collect_face_data(model, exterior, data)
-    motion = estimate_motion(model)
-    call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, motion, near)
-    call find_faces_near_profiles(model, exterior, data, motion, near)
+    call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, data%motion, near)
+    call find_faces_near_profiles(model, exterior, data, data%motion, near)
     if (near%face%n > 0) call build_pairs(model, exterior, data, near, found, text)
     call report_sheets(model, exterior, near, found%obstacle)
     do i = 1, near%driven%n, 2
@@ -153,7 +152,8 @@ contains
     call collect_memberships(model, exterior, data)
     call number_groups(exterior, data)
     data%can_turn = are_rotations_prescribed(model)
-    data%folds = find_folding_bodies(model, exterior, data%is_rigid)
+    if (allocated(model%general_contact)) data%motion = estimate_motion(model)
+    data%folds = find_folding_bodies(model, exterior, data%is_rigid, data%motion)
   end subroutine collect_face_data
 
 

@@ -15,7 +15,6 @@ module amontons_self_contact_pairs
   use amontons_surfaces, only: surface_type, contact_pair_type, is_compliant
   use amontons_exterior_surface, only: exterior_type
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE
-  use amontons_body_motion, only: estimate_motion
   use amontons_general_contact, only: general_pairs_type, face_data_type, build_model_exterior, collect_face_data, &
     find_interaction, make_surface, body_name
   implicit none
@@ -34,10 +33,8 @@ contains
     type(exterior_type) :: exterior
     type(face_data_type) :: data
     integer, allocatable :: own(:), interaction(:)
-    real(DP) :: motion
     integer :: b, f, i
     if (.not. allocated(model%general_contact)) return
-    motion = estimate_motion(model)
     call build_model_exterior(model, exterior)
     call collect_face_data(model, exterior, data)
     do b = 1, exterior%n_bodies
@@ -46,7 +43,7 @@ contains
       if (data%folds(b)) then
         interaction = [(find_interaction(model%general_contact, data, data%group(own(i)), data%group(own(i)), 0), i=1, size(own))]
       else
-        call find_facing_faces(model, exterior, data, own, motion, interaction)
+        call find_facing_faces(model, exterior, data, own, data%motion, interaction)
       end if
       do while (any(interaction > 0))
         call append_self_pair(model, exterior, data, own, interaction, found, text)

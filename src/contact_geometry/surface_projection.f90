@@ -15,7 +15,7 @@ module amontons_surface_projection
   use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen, EDGE_FREE, &
-    EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
+    EDGE_CONVEX
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_analytic_master, only: projection_type, gap_derivatives_type, PROJECTION_INSIDE, PROJECTION_OUTSIDE, &
     PROJECTION_FAILED, &
@@ -469,14 +469,10 @@ contains
     integer, intent(out) :: edge
     logical :: is_out(4), is_open(4)
     real(DP) :: kept  ! excess up to which the point stays on this facet although the master continues [-]
-    integer :: k
     edge = 0
     kept = merge(EDGE_HYSTERESIS, TOL_ON_EDGE, facets%is_faceted)
     if (facets%is_faceted .and. extension > EXTENSION_ZONE) kept = extension
-    do k = 1, 4
-      is_open(k) = facets%edge(k, f) == EDGE_SMOOTH .or. facets%edge(k, f) == EDGE_CONCAVE .or. &
-        (facets%edge(k, f) == EDGE_CONVEX .and. .not. facets%is_faceted)
-    end do
+    is_open = facets%edge(:, f) /= EDGE_FREE .and. .not. (facets%edge(:, f) == EDGE_CONVEX .and. facets%is_faceted)
     is_out = excess > kept
     if (any(is_out .and. is_open)) then
       edge = maxloc(excess, dim=1, mask=is_out .and. is_open)

@@ -20,15 +20,20 @@ THICK, RADIUS, BASE, FREE, TURN = 0.3, 0.5, 3.0, 2.4, 2.2  #: of the lip: thickn
 GAP = 0.42  #: between the floor and the plate at the end: one and a half thicknesses less what the tip is squeezed
 
 
+def _interaction(mu: float) -> str:
+    """The interaction DRY; without friction it has no card of it."""
+    return "*SURFACE INTERACTION, NAME=DRY\n" + (f"*FRICTION\n{mu}\n" if mu > 0 else "")
+
+
 def general(mu: float) -> str:
     """All exteriors, with friction."""
-    return f"*SURFACE INTERACTION, NAME=DRY\n*FRICTION\n{mu}\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT PROPERTY ASSIGNMENT\n, , DRY\n"
+    return f"{_interaction(mu)}*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT PROPERTY ASSIGNMENT\n, , DRY\n"
 
 
 def by_hand(mu: float, *pairs: str) -> str:
     """Pairs of surfaces, with friction."""
     card = "*CONTACT PAIR, INTERACTION=DRY, TYPE=SURFACE TO SURFACE\n"
-    return f"*SURFACE INTERACTION, NAME=DRY\n*FRICTION\n{mu}\n" + "".join(f"{card}{line}\n" for line in pairs)
+    return _interaction(mu) + "".join(f"{card}{line}\n" for line in pairs)
 
 
 def without(body: Body, is_cut: Callable[[Floats], np.ndarray]) -> Body:

@@ -92,7 +92,7 @@ def test_snap_hook(run: Run, tmp_path: Path, form: str, n: int) -> None:
     contact = by_hand(0.0, "HOOK_SKIN, CATCH_SKIN") if form == "pair" else general(0.0)
     if form == "general nodes":
         contact = contact.replace("*CONTACT\n", "*CONTACT, TYPE=NODE TO SURFACE\n")
-    path = solve(run, tmp_path, "snap", snap_hook(contact.replace("*FRICTION\n0.0\n", ""), 0.05, way, n))
+    path = solve(run, tmp_path, "snap", snap_hook(contact, 0.05, way, n))
     with h5py.File(path) as file:
         m = int(file["VTKHDF/NumberOfPoints"][-1])
         is_arm = np.asarray(file["VTKHDF/Points"])[-m:, 1] > -1.01
@@ -109,7 +109,7 @@ def test_snap_hook_passes_a_corner(run: Run, tmp_path: Path) -> None:
     normals, of which the flank's, at 40 degrees, is the most inclined one against the way: the push is at most tan(40 degrees) of the
     force across. A node that the side held above its upper corner would be pushed along the way, and the ratio would have no bound.
     """
-    contact = by_hand(0.0, "HOOK_SKIN, CATCH_SKIN").replace("SURFACE TO SURFACE", "NODE TO SURFACE").replace("*FRICTION\n0.0\n", "")
+    contact = by_hand(0.0, "HOOK_SKIN, CATCH_SKIN").replace("SURFACE TO SURFACE", "NODE TO SURFACE")
     path = solve(run, tmp_path, "corner", snap_hook(contact, 0.05, 6.8, 1))
     with h5py.File(path) as file:
         m = int(file["VTKHDF/NumberOfPoints"][-1])

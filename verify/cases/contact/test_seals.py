@@ -42,7 +42,7 @@ def force_on_ring(run: Run, folder: Path, n: int, deck: str) -> float:
 @pytest.mark.parametrize(("n", "squeeze"), [(4, 0.2), (6, 0.2), (6, 0.25), (8, 0.25)])
 def test_o_ring(run: Run, tmp_path: Path, n: int, squeeze: float) -> None:
     """An O-ring that is free to slide has the force d L E (1.25 c^1.5 + 50 c^6) of P. Lindley, J. IRI 1 (1967) 202-213."""
-    force = force_on_ring(run, tmp_path, n, o_ring(n, "CAX4", general(0.0).replace("*FRICTION\n0.0\n", ""), squeeze))
+    force = force_on_ring(run, tmp_path, n, o_ring(n, "CAX4", general(0.0), squeeze))
     assert force == pytest.approx(1.25 * squeeze**1.5 + 50 * squeeze**6, rel=TOL_LINDLEY)
 
 
@@ -61,8 +61,7 @@ def test_u_cup(run: Run, tmp_path: Path) -> None:
 def test_wiper_lip(run: Run, tmp_path: Path, n: int, material: str, mu: float) -> None:
     """A shaft lays a lip against its housing, from which the faces of its tip were turned away at the start. The lip fills no more than the
     slit; what the shaft presses the housing and the root carry."""
-    contact = general(mu) if mu > 0 else general(mu).replace("*FRICTION\n0.0\n", "")
-    at, u, force = solve(run, tmp_path, wiper_lip(n, material, contact, 5.0))
+    at, u, force = solve(run, tmp_path, wiper_lip(n, material, general(mu), 5.0))
     count = (2 * n + 1) * (8 * n + 1)  # nodes of the lip, the first ones
     now = (at + u)[:count]
     assert now[:, 0].max() > 0.7 * LIP_LENGTH  # it lies
