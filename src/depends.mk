@@ -194,8 +194,8 @@ uses_contact_integration_points = kinds element_kinds model shape_functions face
 uses_contact_linearization = kinds tensor surfaces model surface_projection contact_constraint_rows friction_slip_scenarios segment_derivatives row_normals mortar mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds containers errors tensor sparse woodbury_interface contact_linearization
 uses_dependent_slaves = kinds text errors surfaces model elasticity tributary_areas constraints nonlinear_mpc
+uses_driven_slaves = kinds text surfaces model contact_constraint_rows slave_node_overrides state constraints contact_pairs
 uses_rigid_exterior = kinds text element_kinds mpc_data model
-uses_driven_slaves = kinds text surfaces model state shared_slave_nodes contact_pairs rigid_exterior
 uses_face_proximity = kinds facets exterior_surface facet_search mortar_segmentation contact_pairs rigid_exterior
 uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search body_thickness mortar_segmentation body_motion shared_slave_nodes contact_pairs contact_heights rigid_exterior face_proximity
 uses_self_contact_pairs = kinds text element_kinds surfaces model exterior_surface mortar_segmentation general_contact
@@ -260,7 +260,7 @@ uses_results = kinds errors iteration_records materials mesh steps model state h
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver
-uses_contact_checks = model state body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
+uses_contact_checks = model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
 uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
 uses_driven_loads = kinds text errors loads steps model

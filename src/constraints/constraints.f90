@@ -13,13 +13,15 @@ module amontons_constraints
   public :: constraints_type, constraint_row_type, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
   public :: reset_constraints, prescribe_unknown, add_constraint_row, eliminate_constraints, scale_offsets, condense_forces, &
     build_condensation_matrix
-  public :: find_multipliers, is_in_constraint_row
+  public :: find_multipliers, is_in_constraint_row, is_prescribed_along
 
   integer, parameter :: ROW_ACCEPTED = 0       !< the row made an unknown dependent
   integer, parameter :: ROW_REDUNDANT = 1      !< linearly dependent on rows of higher priority, without contradiction
   integer, parameter :: ROW_CONFLICT = 2       !< contradicts rows of higher priority: the row was dropped
 
   real(DP), parameter :: TOL_COEFFICIENT = 1.0e-10_DP   !< relative to the row's largest: taken as zero [-]
+  real(DP), parameter :: MIN_FREE_SHARE = 1.0e-6_DP     !< of a free unknown in a displacement along a direction, over that in the
+                                                        !! components: a smaller one is none [-]
 
   !> Combination of other rows in a row.
   type :: row_combination_type
@@ -348,6 +350,32 @@ contains
       is_in_row(self%rows(k)%pivot) = .true.
     end do
   end function is_in_constraint_row
+
+
+  !> Whether no free unknown moves a node along a direction: supports prescribe that displacement, by the node or by those that it
+  !! depends on. Before: eliminated.
+  pure logical function is_prescribed_along(self, node, direction) result(is_so)
+    type(constraints_type), intent(in) :: self
+    integer, intent(in) :: node                    !< from 1, with the unknowns 3 node - 2 to 3 node
+    real(DP), intent(in) :: direction(3)           !< unit vector
+    real(DP) :: along, largest
+    integer :: i, j, k
+    is_so = .true.
+    associate (map => self%transformation)
+      do k = map%first(3 * node - 2), map%first(3 * node + 1) - 1
+        along = 0.0_DP
+        largest = 0.0_DP
+        do i = 1, 3
+          do j = map%first(3 * (node - 1) + i), map%first(3 * (node - 1) + i + 1) - 1
+            if (map%column(j) /= map%column(k)) cycle
+            along = along + direction(i) * map%value(j)
+            largest = max(largest, abs(map%value(j)))
+          end do
+        end do
+        is_so = is_so .and. abs(along) <= MIN_FREE_SHARE * largest
+      end do
+    end associate
+  end function is_prescribed_along
 
 
   !> The multipliers of the rows as they were added: sum multiplier * row balances the force on every dependent unknown.

@@ -62,6 +62,7 @@ contains
     real(DP), intent(in) :: stiffness              !< [stress/length]
     penalty = law
     penalty%behavior = BEHAVIOR_LINEAR
+    penalty%is_penalty = .true.
     penalty%stiffness = stiffness
     penalty%stick_slope = stiffness
   end function penalty_law

@@ -1,9 +1,14 @@
-!> Driven slave nodes: whether supports drove a slave node of an exact pair behind its master.
+!> Driven slave nodes: whether supports drove a slave node behind its master where contact cannot keep them apart.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Exact contact takes the force on a slave node from the balance of that node. A node whose displacement along the normal is
 !! prescribed has none: the support takes every force, and nothing pushes the master. While the node stays before its master that is
-!! right; behind it a force is missing. Slave nodes that supports merely hold are none of these: masters bulge over clamped edges.
+!! right; behind it a force is missing. The penalty at dependent slave nodes pushes the master instead, but no force moves a row all
+!! of whose nodes, slave and master, supports move along the normal: by themselves, by equations, or with their rigid body. Laws of
+!! the deck give their force for any depth.
+!!
+!! Slave nodes that supports merely hold are none of these: masters bulge over clamped edges. Of a row that supports move as a whole
+!! the relative displacement counts, else that of the slave node.
 !!
 !! Cost: linear in the slave nodes, with a search for each that supports hold.
 module amontons_driven_slaves
@@ -12,45 +17,40 @@ module amontons_driven_slaves
   use amontons_surfaces, only: is_compliant
   use amontons_model, only: model_type
   use amontons_state, only: slave_state_type
-  use amontons_contact_pairs, only: contact_type, update_gap, update_projection
-  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns
-  use amontons_shared_slave_nodes, only: support_free_projector, MIN_FREE_PART
+  use amontons_constraints, only: constraints_type, is_prescribed_along
+  use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
+  use amontons_contact_pairs, only: contact_type, current_row, update_gap, update_projection
+  use amontons_slave_node_overrides, only: gives_way
   implicit none
   private
   public :: find_driven_slave
 
   real(DP), parameter :: MIN_DEPTH = 0.001_DP              !< of a node behind its master, over the facet's edge [-]
-  real(DP), parameter :: MIN_OWN_PART = 0.5_DP             !< of that depth which the node moved by itself [-]
+  real(DP), parameter :: MIN_OWN_PART = 0.5_DP             !< of that depth by which supports moved the node [-]
 
 contains
 
-  !> The first slave node that supports drove behind a master that can move: message says which.
-  subroutine find_driven_slave(model, contact, slaves, u, step, message)
+  !> The first slave node that supports drove behind its master where contact cannot keep them apart: message says which.
+  subroutine find_driven_slave(model, contact, base, slaves, u, message)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
+    type(constraints_type), intent(in) :: base     !< of the supports, and what depends on others
     type(slave_state_type), intent(in) :: slaves(:)   !< evaluated at u
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
     type(slave_state_type) :: slave
-    logical, allocatable :: is_movable(:)          ! (n_nodes) known from the first candidate on
+    logical :: is_driven, is_master_driven
     integer :: s
     message = ''
     do s = 1, size(slaves)
       associate (p => slaves(s)%pair)
-        if (is_compliant(contact%laws(p)) .or. contact%is_removed(p) .or. slaves(s)%slave_facet > 0) cycle
-        if (all(contact%free_mask(:, s) > 0.0_DP)) cycle
+        if (contact%is_removed(p) .or. slaves(s)%slave_facet > 0 .or. all(contact%free_mask(:, s) > 0.0_DP)) cycle
+        if (is_compliant(contact%laws(p)) .and. .not. contact%laws(p)%is_penalty) cycle
       end associate
       slave = find_position(model, contact, s, slaves(s), u)
-      if (.not. is_driven_behind(contact, s, slave, u)) cycle
-      if (.not. allocated(is_movable)) is_movable = movable_nodes(model, step)
-      associate (facets => contact%facets(slave%pair))
-        if (.not. any(is_movable(facets%nodes(facets%first(slave%facet):facets%first(slave%facet + 1) - 1)))) cycle
-      end associate
-      message = 'Contact pair ' // model%pairs(slave%pair)%name // ': supports drive the slave node ' // &
-        to_text(model%mesh%node_label(slave%node)) // ' by ' // to_text(-slave%gap) // ' behind its master, and exact ' // &
-        'contact cannot push a node that supports hold. Swap slave and master, or give a *SURFACE BEHAVIOR, ' // &
-        'PRESSURE-OVERCLOSURE=LINEAR, whose force acts on the master alone.'
+      call judge_slave(contact, base, slave, u, is_driven, is_master_driven)
+      if (.not. is_driven) cycle
+      call describe_slave(model, slave, is_master_driven, message)
       return
     end do
   end subroutine find_driven_slave
@@ -76,30 +76,55 @@ contains
   end function find_position
 
 
-  !> Whether a slave node that is held along the normal of its master moved behind it, by half of its depth at least by itself.
-  pure logical function is_driven_behind(contact, s, slave, u) result(is_so)
+  !> Whether supports moved a slave node behind its master, by half of its depth at least, and contact could move neither: the
+  !! exact force of the node is that of a support, or supports move the master too. A slave that gives way leaves the force to
+  !! slaves of the other side, and a penalty pushes the master.
+  pure subroutine judge_slave(contact, base, slave, u, is_driven, is_master_driven)
     type(contact_type), intent(in) :: contact
-    integer, intent(in) :: s                       !< index of the slave
+    type(constraints_type), intent(in) :: base
     type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    is_so = .false.
+    logical, intent(out) :: is_driven, is_master_driven
+    type(contact_row_type) :: row
+    real(DP) :: way(3)
+    integer :: i
+    is_driven = .false.
+    is_master_driven = .false.
     if (slave%facet == 0) return
     associate (normal => slave%normal, depth => -slave%gap)
       if (depth < MIN_DEPTH * contact%facets(slave%pair)%edge_length(slave%facet)) return
-      if (norm2(matmul(support_free_projector(contact%axes(:, :, s), contact%free_mask(:, s)), normal)) >= MIN_FREE_PART) return
-      is_so = dot_product(u(:, slave%node), normal) <= -MIN_OWN_PART * depth
+      if (.not. is_prescribed_along(base, slave%node, normal)) return
+      call current_row(contact, slave, row)
+      is_master_driven = all([(is_prescribed_along(base, row%nodes(i), normal), i=1, size(row%nodes))])
+      if (.not. is_master_driven .and. (gives_way(slave%overrides) .or. contact%laws(slave%pair)%is_penalty)) return
+      way = u(:, slave%node)
+      if (is_master_driven) way = evaluate_relative_position(row, u)
+      is_driven = dot_product(way, normal) <= -MIN_OWN_PART * depth
     end associate
-  end function is_driven_behind
+  end subroutine judge_slave
 
 
-  !> The nodes with a displacement that supports do not prescribe, by themselves or as those of their rigid body.
-  function movable_nodes(model, step) result(is_movable)
+  !> The sentence about a driven slave node, with what helps.
+  subroutine describe_slave(model, slave, is_master_driven, message)
     type(model_type), intent(in) :: model
-    integer, intent(in) :: step                    !< of the model, from 1
-    logical :: is_movable(model%mesh%n_nodes)
-    type(rigid_bodies_type) :: bodies
-    call collect_rigid_bodies(model, bodies)
-    is_movable = any(free_unknowns(model, step), dim=1) .and. .not. bodies%is_driven
-  end function movable_nodes
+    type(slave_state_type), intent(in) :: slave
+    logical, intent(in) :: is_master_driven        !< supports move its master, too
+    character(:), allocatable, intent(out) :: message
+    associate (pair => model%pairs(slave%pair))
+      message = 'Contact pair ' // pair%name // ': supports drive the slave node ' // &
+        to_text(model%mesh%node_label(slave%node)) // ' by ' // to_text(-slave%gap) // ' behind its master, '
+      if (is_master_driven) then
+        message = message // 'whose motion they prescribe, too: no contact can keep them apart. Leave the nodes of one body ' // &
+          'free where it touches, or give a *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, whose force follows from the ' // &
+          'depth. Bodies that may pass each other '
+        if (pair%is_general) message = message // 'are named in *CONTACT EXCLUSIONS.'
+        if (.not. pair%is_general) message = message // 'need no *CONTACT PAIR.'
+      else
+        message = message // 'and exact contact cannot push a node that supports hold. Swap slave and master'
+        if (pair%is_general) message = message // ' (*CONTACT FORMULATION)'
+        message = message // ', or give a *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, whose force acts on the master alone.'
+      end if
+    end associate
+  end subroutine describe_slave
 
 end module amontons_driven_slaves

@@ -499,7 +499,7 @@ contains
     type(analysis_type), intent(inout) :: analysis !< its faces
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: message
-    call find_contact_fault(analysis%model, analysis%system%contact, analysis%faces, analysis%state%old, &
+    call find_contact_fault(analysis%model, analysis%system%contact, analysis%system%base, analysis%faces, analysis%state%old, &
       max(1, analysis%stepping%step), message)
     if (message /= '') call set_error(error, EXIT_NOT_CONVERGED, message // ' The converged increments are on disk.')
   end subroutine check_unpaired_contact

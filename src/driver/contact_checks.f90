@@ -3,6 +3,7 @@
 module amontons_contact_checks
   use amontons_model, only: model_type
   use amontons_state, only: state_type, fields_type
+  use amontons_constraints, only: constraints_type
   use amontons_contact_pairs, only: contact_type
   use amontons_unpaired_contact, only: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
   use amontons_unpaired_crossing, only: find_unpaired_crossing, least_crossing
@@ -16,9 +17,10 @@ contains
 
   !> What ends the job after an increment: faces have come together that general contact does not know to be near, of two bodies
   !! under NLGEOM, or of one; bodies have passed through each other; supports drove slave nodes behind their master.
-  subroutine find_contact_fault(model, contact, faces, now, step, message)
+  subroutine find_contact_fault(model, contact, base, faces, now, step, message)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
+    type(constraints_type), intent(in) :: base     !< of the supports, and what depends on others
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
     type(fields_type), intent(in) :: now           !< committed
     integer, intent(in) :: step                    !< of the model, from 1
@@ -31,7 +33,7 @@ contains
       else
         call find_unpaired_self_contact(model, faces, now%u, 0 * now%v, message)
       end if
-      if (message == '') call find_driven_slave(model, contact, now%slaves, now%u, step, message)
+      if (message == '') call find_driven_slave(model, contact, base, now%slaves, now%u, message)
       if (message == '' .and. .not. faces%is_free_of_crossings) call find_unpaired_crossing(model, faces, now%slaves, now%u, du, &
         step, message)
     end associate

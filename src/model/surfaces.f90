@@ -46,6 +46,7 @@ module amontons_surfaces
     real(DP), allocatable :: table_pressure(:)     !< TABULAR [stress]
     real(DP), allocatable :: table_overclosure(:)  !< TABULAR: ascending [length]
     real(DP) :: friction = 0                    !< mu [-]; 0 is frictionless
+    logical :: is_penalty = .false.             !< LINEAR in place of exact contact, at dependent slave nodes
     real(DP) :: stick_slope = 0                 !< lambda of compliant laws: shear over elastic slip [stress/length]
     real(DP) :: shear_limit = NO_SHEAR_LIMIT    !< TAUMAX [stress]
     logical :: is_user_friction = .false.       !< friction by FRIC; then mu is 0 and TAUMAX has no effect

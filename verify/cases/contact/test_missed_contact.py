@@ -249,3 +249,137 @@ def test_slave_driven_under_a_law(run_deck: Run, *, is_nlgeom: bool) -> None:
     for text in (deck, pressed(0.019, is_nlgeom=is_nlgeom)):
         done = run_deck(text)
         assert done.returncode == 0, done.stdout + done.stderr
+
+
+KINDS = {
+    f"{'general' if general else 'pair'}, {kind.lower()}": GENERAL.format(kind)
+    if general
+    else f"*SURFACE, NAME=SU\nU, S1\n*SURFACE, NAME=SB\nB, S2\n*SURFACE INTERACTION, NAME=I\n*CONTACT PAIR, INTERACTION=I, TYPE={kind}\nSU, SB\n"
+    for general, kind in product((True, False), ("NODE TO SURFACE", "SURFACE TO SURFACE"))
+}
+ALL_HELD = "BZ0, 1, 3\nBZ1, 1, 3\n"
+ALL_DOWN = "UZ0, 1, 2\nUZ0, 3, 3, -{way}\nUZ1, 1, 2\nUZ1, 3, 3, -{way}\n"
+PILOT = "*NODE\n9000, .5, .5, .8\n"
+PILOT_DOWN = "9000, 1, 2\n9000, 4, 6\n9000, 3, 3, -{way}\n"
+RIGID_U = PILOT + "*RIGID BODY, ELSET=U, REF NODE=9000\n"
+RIGID_B = "*NODE\n9001, .5, .5, 0.\n*RIGID BODY, ELSET=B, REF NODE=9001\n"
+EQUATIONS = PILOT + "".join(f"*EQUATION\n2\n{n}, {i}, 1., 9000, {i}, -1.\n" for n in range(5001, 5019, 2) for i in (1, 2, 3))
+COUPLING = PILOT + "*SURFACE, NAME=SOLE\nU, S1\n*COUPLING, CONSTRAINT NAME=C, REF NODE=9000, SURFACE=SOLE\n*KINEMATIC\n1, 3\n"
+TURNED = "*TRANSFORM, NSET=UZ0\n.6, 0., .8, 0., 1., 0.\n"  # its supports are rows of two unknowns
+DRIVEN = {  # cards, and the supports that bring U down or B up
+    "all nodes": ("", ALL_HELD + ALL_DOWN),
+    "the master comes": ("", "BZ0, 1, 2\nBZ0, 3, 3, {way}\nBZ1, 1, 2\nBZ1, 3, 3, {way}\nUZ0, 1, 3\nUZ1, 1, 3\n"),
+    "facing nodes": ("", "BZ1, 1, 3\nUZ0, 1, 2\nUZ0, 3, 3, -{way}\n"),
+    "facing nodes by local axes": (TURNED, "BZ1, 1, 3\nUZ0, 2, 2\nUZ0, 1, 1, -{local[0]}\nUZ0, 3, 3, -{local[1]}\n"),
+    "a rigid body on nodes": (RIGID_U, ALL_HELD + PILOT_DOWN),
+    "nodes on a rigid body": (RIGID_B, "9001, 1, 6\n" + ALL_DOWN),
+    "a rigid body under nodes": (RIGID_B, "9001, 1, 2\n9001, 4, 6\n9001, 3, 3, {way}\nUZ0, 1, 3\nUZ1, 1, 3\n"),
+    "equations": (EQUATIONS, ALL_HELD + "UZ1, 1, 3\n9000, 1, 2\n9000, 3, 3, -{way}\n"),
+    "a coupling": (COUPLING, ALL_HELD + PILOT_DOWN),
+}
+
+
+def both_driven(kind: str, how: str, way: float, *, is_nlgeom: bool, gap: float = 0.02, law: str = "") -> str:
+    """Supports prescribe the motion of both bodies where they face each other."""
+    cards, supports = DRIVEN[how]
+    bodies = block("B", 1, (4, 4, 1), (0, 0, 0), (1, 1, 0.5)) + block("U", 5001, (2, 2, 1), (0.2, 0.2, 0.5 + gap), (0.8, 0.8, 0.8 + gap))
+    contact = KINDS[kind]
+    if law and "general" in kind:
+        contact = f"*SURFACE INTERACTION, NAME=I\n{law}" + contact + "*CONTACT PROPERTY ASSIGNMENT\n, , I\n"
+    elif law:
+        contact = contact.replace("NAME=I\n*CONTACT", f"NAME=I\n{law}*CONTACT")
+    text = MATERIALS + bodies + cards + contact + f"*STEP{', NLGEOM' if is_nlgeom else ''}, INC=50\n*STATIC\n.25, 1.\n"
+    return text + "*BOUNDARY\n" + supports.format(way=way, local=(0.8 * way, 0.6 * way)) + "*END STEP\n"
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("how", DRIVEN)
+@pytest.mark.parametrize("kind", KINDS)
+def test_both_driven(run_deck: Run, kind: str, how: str, *, is_nlgeom: bool) -> None:
+    """No contact can keep bodies apart that supports drive into each other: the job names node, depth and remedy. Before they meet nothing is wrong."""
+    for way in (0.0205, 0.1):
+        done = run_deck(both_driven(kind, how, way, is_nlgeom=is_nlgeom))
+        said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+        assert done.returncode == NOT_CONVERGED, said
+        node = re.search(r"Contact pair \S+ / \S+: supports drive the slave node \d+ by ([\d.E-]+) behind its master, whose motion they prescribe, too", said)
+        assert node, said
+        assert way != 0.0205 or float(node[1]) == pytest.approx(way - 0.02, rel=0.02), "the depth is named"
+        assert ("named in *CONTACT EXCLUSIONS" if "general" in kind else "need no *CONTACT PAIR") in said
+    done = run_deck(both_driven(kind, how, 0.019, is_nlgeom=is_nlgeom))
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+LAW = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.e5\n"
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_both_driven_by_right(run_deck: Run, kind: str, *, is_nlgeom: bool) -> None:
+    """A law of the deck has a force for any depth; bodies that overlap at the start, or that supports move as one, are not driven into each other."""
+    together = both_driven(kind, "all nodes", 0.3, is_nlgeom=is_nlgeom, gap=-0.02).replace("BZ0, 1, 3\nBZ1, 1, 3\n", ALL_DOWN.format(way=0.3).replace("UZ", "BZ"))
+    allowed = {
+        "law": both_driven(kind, "all nodes", 0.03, is_nlgeom=is_nlgeom, law=LAW),
+        "overlap": both_driven(kind, "all nodes", 0.0, is_nlgeom=is_nlgeom, gap=-0.02),
+        "overlap that grows": both_driven(kind, "all nodes", 0.01, is_nlgeom=is_nlgeom, gap=-0.02),
+        "moved as one": together,
+    }
+    for why, deck in allowed.items():
+        done = run_deck(deck)
+        assert done.returncode == 0, why + done.stdout + done.stderr
+
+
+PLANE = (
+    "*NODE\n9001, .5, .5, 0.\n*SURFACE, NAME=TOOL, TYPE=REVOLUTION\n.5, .5, .5, .5, .5, 1.5\nSTART, 0., 0.\nLINE, 2., 0.\n"
+    "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=9001\n"
+)
+TOOL = {
+    "the nodes": ("9001, 1, 6\n" + ALL_DOWN, 0.05),
+    "the tool": ("9001, 1, 2\n9001, 4, 6\n9001, 3, 3, {way}\nUZ0, 1, 3\nUZ1, 1, 3\n", 0.05),
+    "the tool, turned": ("9001, 1, 3\n9001, 5, 6\n9001, 4, 4, {way}\nUZ0, 1, 3\nUZ1, 1, 3\n", 0.2),
+}
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("how", TOOL)
+@pytest.mark.parametrize("kind", KINDS)
+def test_driven_on_an_analytic_master(run_deck: Run, kind: str, how: str, *, is_nlgeom: bool) -> None:
+    """The same against an analytic plane, which supports hold, move or turn; a tenth of the way is less than the gap."""
+    supports, way = TOOL[how]
+    contact = KINDS[kind].replace("*SURFACE, NAME=SB\nB, S2\n", "").replace("SU, SB", "SU, TOOL")
+    deck = MATERIALS + block("U", 5001, (2, 2, 1), (0.2, 0.2, 0.52), (0.8, 0.8, 0.82)) + PLANE + contact
+    deck += f"*STEP{', NLGEOM' if is_nlgeom else ''}, INC=50\n*STATIC\n.25, 1.\n*BOUNDARY\n{supports}*END STEP\n"
+    done = run_deck(deck.format(way=way))
+    said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert done.returncode == NOT_CONVERGED, said
+    assert re.search(r"supports drive the slave node 50\d\d by [\d.E-]+ behind its master, whose motion they prescribe, too", said), said
+    done = run_deck(deck.format(way=way / 10))
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def slotted(way: float) -> str:
+    """A body with a slot of 0.05 whose upper lip supports move down."""
+    heights = (0.0, 0.45, 0.5, 0.95)
+    number = {place: k + 1 for k, place in enumerate(product(range(4), range(2), range(4)))}
+    text = "*NODE\n" + "".join(f"{k}, {0.4 * a}, {0.4 * b}, {heights[c]}\n" for (a, b, c), k in number.items()) + "*ELEMENT, TYPE=C3D8, ELSET=C\n"
+    for k, (a, c) in enumerate((a, c) for a, c in product(range(3), range(3)) if a == 0 or c != 1):
+        corners = [number[a + i, j, c + h] for h in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        text += f"{k + 1}, {', '.join(map(str, corners))}\n"
+    lip = [label for (a, _, c), label in number.items() if a >= 2 and c >= 2]
+    text += "*SOLID SECTION, ELSET=C, MATERIAL=M\n*BOUNDARY\n" + "".join(f"{label}, 1, 3\n" for label in number.values() if label not in lip)
+    return text + "".join(f"{label}, 1, 2\n{label}, 3, 3, {-way}\n" for label in lip)
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_driven_on_itself(run_deck: Run, kind: str, *, is_nlgeom: bool) -> None:
+    """The lips of a slot, all of whose nodes supports move, in self contact."""
+    contact = KINDS[kind]
+    if "pair" in kind:
+        contact = "*SURFACE, NAME=SU\nC,\n" + contact.split("SB\nB, S2\n")[1].replace("SU, SB", "SU,")
+    for way, expected in ((0.06, NOT_CONVERGED), (0.045, 0)):
+        nodes, supports = slotted(way).split("*BOUNDARY\n")
+        deck = MATERIALS + nodes + contact + f"*STEP{', NLGEOM' if is_nlgeom else ''}, INC=50\n*STATIC\n.25, 1.\n*BOUNDARY\n{supports}*END STEP\n"
+        done = run_deck(deck)
+        said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+        assert done.returncode == expected, said
+        assert ("behind its master, whose motion they prescribe, too" in said) is (expected != 0), said

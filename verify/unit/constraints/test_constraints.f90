@@ -4,7 +4,7 @@ program test_constraints
   use amontons_kinds, only: DP
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
     add_constraint_row, eliminate_constraints, &
-    scale_offsets, condense_forces, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
+    scale_offsets, condense_forces, is_prescribed_along, ROW_ACCEPTED, ROW_REDUNDANT, ROW_CONFLICT
   use amontons_sparse, only: multiply, multiply_transpose
   use check, only: suite_type
   implicit none
@@ -13,6 +13,7 @@ program test_constraints
   call check_verdicts()
   call check_pivot()
   call check_portions()
+  call check_prescribed_directions()
   call suite%finish()
 
 contains
@@ -25,6 +26,36 @@ contains
     row%coefficient = coefficient
     row%rhs = rhs
   end function row_of
+
+
+  !> Node 1 is held across an inclined plane, node 2 follows a node that is held along z, node 3 follows that node turned by 90
+  !! degrees; a node with a tiny lever of a free unknown is not held.
+  subroutine check_prescribed_directions()
+    type(constraints_type) :: c
+    real(DP), parameter :: ACROSS(3) = [0.6_DP, 0.8_DP, 0.0_DP], ALONG(3) = [-0.8_DP, 0.6_DP, 0.0_DP], LEVER = 1.0e-9_DP
+    real(DP), parameter :: X(3) = [1.0_DP, 0.0_DP, 0.0_DP], Y(3) = [0.0_DP, 1.0_DP, 0.0_DP], Z(3) = [0.0_DP, 0.0_DP, 1.0_DP]
+    integer :: k, verdict
+    call reset_constraints(c, 15)
+    call prescribe_unknown(c, 12, 0.5_DP)
+    call prescribe_unknown(c, 14, 0.0_DP)
+    call prescribe_unknown(c, 15, 0.0_DP)
+    call add_constraint_row(c, row_of([1, 2, 3], ACROSS, 0.1_DP), 3, 1.0e-9_DP, verdict)
+    do k = 1, 3
+      call add_constraint_row(c, row_of([3 + k, 9 + k], [1.0_DP, -1.0_DP], 0.0_DP), 1, 1.0e-9_DP, verdict)
+    end do
+    call add_constraint_row(c, row_of([7, 12], [1.0_DP, -1.0_DP], 0.0_DP), 1, 1.0e-9_DP, verdict)
+    call add_constraint_row(c, row_of([8, 10], [1.0_DP, -LEVER], 0.0_DP), 1, 1.0e-9_DP, verdict)
+    call eliminate_constraints(c)
+    call suite%that('across the plane', is_prescribed_along(c, 1, ACROSS) .and. is_prescribed_along(c, 1, -ACROSS))
+    call suite%that('along the plane', .not. (is_prescribed_along(c, 1, ALONG) .or. is_prescribed_along(c, 1, X) .or. &
+      is_prescribed_along(c, 1, Z)))
+    call suite%that('as the node that it follows', is_prescribed_along(c, 2, Z) .and. .not. is_prescribed_along(c, 2, X))
+    call suite%that('by an unknown that is prescribed', is_prescribed_along(c, 3, X))
+    call suite%that('by a free unknown, whatever its unit', .not. is_prescribed_along(c, 3, Y))
+    call suite%that('free', .not. any([is_prescribed_along(c, 3, Z), is_prescribed_along(c, 4, X), is_prescribed_along(c, 5, X)]))
+    call suite%that('supports', is_prescribed_along(c, 4, Z) .and. is_prescribed_along(c, 5, Y) .and. &
+      is_prescribed_along(c, 5, [1.0e-12_DP, 0.6_DP, 0.8_DP]))
+  end subroutine check_prescribed_directions
 
 
   !> Every row must hold for any values of the free unknowns, though its unknowns became dependent later.

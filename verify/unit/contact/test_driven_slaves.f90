@@ -7,29 +7,40 @@ program test_driven_slaves
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
+  use amontons_loads, only: equation_type, prescribed_type
   use amontons_state, only: state_type
   use amontons_steps, only: step_type
   use amontons_surfaces, only: BEHAVIOR_LINEAR
   use amontons_element_kinds, only: KIND_C3D8
   use check, only: suite_type
   implicit none
-  real(DP), parameter :: GAP = 0.05_DP, FREE(3) = 1.0_DP, HELD(3) = 0.0_DP
-  integer, parameter :: S = 6, NODE = 24               ! the slave inside the surface, and its node
+  real(DP), parameter :: GAP = 0.05_DP
+  integer, parameter :: NODE = 24, UPPER = 40          ! a slave node inside the surface, and the one above it, which is held
+  integer, parameter :: NOWHERE(0) = 0, ALL_AXES(3) = [1, 2, 3]
+  integer, parameter :: AT_MASTER = 1, AT_SLAVE = 2    ! what the sentence says that supports hold beside the slave node
   type(suite_type) :: suite
   logical :: is_nlgeom
   integer :: i
   do i = 1, 2
     is_nlgeom = i == 2
-    call drive('behind', HELD, -0.1_DP, 0.0_DP, .true.)
-    call drive('behind by little', HELD, -0.052_DP, 0.0_DP, .true.)
-    call drive('held along the normal alone', [1.0_DP, 1.0_DP, 0.0_DP], -0.1_DP, 0.0_DP, .true.)
-    call drive('not yet there', HELD, -0.049_DP, 0.0_DP, .false.)
-    call drive('free', FREE, -0.1_DP, 0.0_DP, .false.)
-    call drive('held beside the normal', [0.0_DP, 0.0_DP, 1.0_DP], -0.1_DP, 0.0_DP, .false.)
-    call drive('the master came', HELD, 0.0_DP, 0.1_DP, .false.)
-    call drive('a law', HELD, -0.1_DP, 0.0_DP, .false., has_law=.true.)
-    call drive('removed', HELD, -0.1_DP, 0.0_DP, .false., is_removed=.true.)
-    call drive('the master is held, too', HELD, -0.1_DP, 0.0_DP, .false., is_master_held=.true.)
+    call drive('behind', ALL_AXES, -0.1_DP, 0.0_DP, AT_SLAVE)
+    call drive('behind by little', ALL_AXES, -0.052_DP, 0.0_DP, AT_SLAVE)
+    call drive('held along the normal alone', [3], -0.1_DP, 0.0_DP, AT_SLAVE)
+    call drive('not yet there', ALL_AXES, -0.049_DP, 0.0_DP, 0)
+    call drive('free', NOWHERE, -0.1_DP, 0.0_DP, 0)
+    call drive('held beside the normal', [1, 2], -0.1_DP, 0.0_DP, 0)
+    call drive('the master came', ALL_AXES, 0.0_DP, 0.1_DP, 0)
+    call drive('a law', ALL_AXES, -0.1_DP, 0.0_DP, 0, has_law=.true.)
+    call drive('removed', ALL_AXES, -0.1_DP, 0.0_DP, 0, is_removed=.true.)
+    call drive('a penalty pushes the master', ALL_AXES, -0.1_DP, 0.0_DP, 0, has_law=.true., is_penalty=.true.)
+    call drive('the master is held, too', ALL_AXES, -0.1_DP, 0.0_DP, AT_MASTER, is_master_held=.true.)
+    call drive('a penalty, the master is held', ALL_AXES, -0.1_DP, 0.0_DP, AT_MASTER, has_law=.true., is_penalty=.true., &
+      is_master_held=.true.)
+    call drive('a law, the master is held', ALL_AXES, -0.1_DP, 0.0_DP, 0, has_law=.true., is_master_held=.true.)
+    call drive('supports move the master', ALL_AXES, 0.0_DP, 0.1_DP, AT_MASTER, is_master_held=.true.)
+    call drive('supports move both as much', ALL_AXES, -0.1_DP, -0.1_DP, 0, is_master_held=.true.)
+    call drive('by an equation with a held node', NOWHERE, -0.1_DP, 0.0_DP, AT_SLAVE, followed=UPPER)
+    call drive('by an equation with a free node', NOWHERE, -0.1_DP, 0.0_DP, 0, followed=NODE + 1)
   end do
   call suite%finish()
 
@@ -38,12 +49,14 @@ contains
   include 'sample_blocks.inc'
 
   !> Moves the node and the master's surface along the normal.
-  subroutine drive(title, free_mask, way, way_of_master, is_found, has_law, is_removed, is_master_held)
+  subroutine drive(title, held, way, way_of_master, expected, has_law, is_removed, is_master_held, is_penalty, followed)
     character(*), intent(in) :: title
-    real(DP), intent(in) :: free_mask(3)         !< of the slave
+    integer, intent(in) :: held(:)               !< axes along which a support holds the slave node
     real(DP), intent(in) :: way, way_of_master   !< [length]
-    logical, intent(in) :: is_found
-    logical, intent(in), optional :: has_law, is_removed, is_master_held
+    integer, intent(in) :: expected              !< AT_...; 0: no sentence
+    logical, intent(in), optional :: has_law, is_removed, is_master_held, is_penalty
+    integer, intent(in), optional :: followed    !< a node whose motion equations give the slave node
+    character(*), parameter :: ENDS(2) = [character(32) :: 'whose motion they prescribe, too', 'exact contact cannot push a node']
     type(model_type) :: model
     type(equilibrium_type), allocatable :: system
     type(state_type) :: state
@@ -52,22 +65,37 @@ contains
     integer :: k
     call two_blocks(model, 0.0_DP, GAP, [0.0_DP, 0.0_DP, -0.1_DP])
     model%steps(1)%is_nlgeom = is_nlgeom
+    call hold(model%steps(1), [(NODE, k=1, size(held))], held)
+    if (present(is_master_held)) call hold(model%steps(1), [(10 + (k - 1) / 3, k=1, 27)], &
+      [(1 + mod(k - 1, 3), k=1, 27)])
+    if (present(followed)) model%equations = [(equation_type(node=[NODE, followed], dof=[k, k], coefficient=[1.0_DP, -1.0_DP], &
+      n_eliminable=1), k=1, 3)]
     call start_blocks(model, system, state)
-    system%contact%free_mask(:, S) = free_mask
     if (present(has_law)) system%contact%laws(1)%behavior = BEHAVIOR_LINEAR
+    if (present(is_penalty)) system%contact%laws(1)%is_penalty = .true.
     if (present(is_removed)) system%contact%is_removed = is_removed
-    if (present(is_master_held)) then
-      do k = 1, 27                               ! the supports of the bottom hold the top of the master in their place
-        model%steps(1)%prescribed(k)%node = 10 + (k - 1) / 3
-      end do
-    end if
-    state%new%slaves(S)%facet = 0
+    state%new%slaves(NODE - 18)%facet = 0
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
     u(3, NODE) = way
     u(3, 10:18) = way_of_master
-    call find_driven_slave(model, system%contact, state%new%slaves, u, 1, message)
-    call suite%that(title, is_found .eqv. index(message, 'slave-master: supports drive the slave node 124 by') > 0)
-    if (.not. is_found) call suite%that(title // ': nothing else', message == '')
+    call find_driven_slave(model, system%contact, system%base, state%new%slaves, u, message)
+    if (expected == 0) then
+      call suite%that(title, message == '')
+    else
+      call suite%that(title, index(message, 'slave-master: supports drive the slave node 124 by') > 0)
+      call suite%that(title // ', and why', index(message, trim(ENDS(expected))) > 0)
+    end if
   end subroutine drive
+
+
+  !> Adds supports of nodes along axes to the step.
+  subroutine hold(step, nodes, axes)
+    type(step_type), intent(inout) :: step
+    integer, intent(in) :: nodes(:), axes(:)
+    type(prescribed_type) :: supports(size(nodes))
+    supports%node = nodes
+    supports%dof = axes
+    step%prescribed = [step%prescribed, supports]
+  end subroutine hold
 
 end program test_driven_slaves

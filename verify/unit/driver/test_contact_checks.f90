@@ -6,6 +6,7 @@ program test_contact_checks
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type
   use amontons_state, only: state_type
+  use amontons_constraints, only: constraints_type
   use amontons_contact_pairs, only: contact_type
   use amontons_unpaired_contact, only: model_faces_type
   use amontons_contact_checks, only: find_contact_fault, find_avoidable_crossing
@@ -33,6 +34,7 @@ contains
     type(model_faces_type) :: faces
     type(state_type) :: state
     type(contact_type) :: contact
+    type(constraints_type) :: base
     character(:), allocatable :: message
     call read_deck_text(two_squares(3.0_DP, '*SURFACE INTERACTION, NAME=I;*CONTACT PAIR, INTERACTION=I;S_UP, S_LOW;'), options, &
       model, diagnostics, error)
@@ -48,7 +50,7 @@ contains
     call find_avoidable_crossing(model, faces, state, 1, message)
     call suite%that(title // ': avoidable', is_avoidable .eqv. index(message, 'passed through element') > 0)
     call suite%that(title // ': known to be free', faces%is_free_of_crossings .eqv. (is_nlgeom .and. .not. is_fault))
-    call find_contact_fault(model, contact, faces, state%new, 1, message)
+    call find_contact_fault(model, contact, base, faces, state%new, 1, message)
     call suite%that(title // ': fault', is_fault .eqv. index(message, 'passed through element') > 0)
     call suite%that(title // ': looked for again', .not. faces%is_free_of_crossings)
   end subroutine move_up
