@@ -62,9 +62,10 @@ uses_drucker_prager = kinds scalar_root materials plasticity
 uses_logarithmic_strain = kinds tensor
 uses_elasticity = kinds tensor materials logarithmic_strain
 uses_hyperelasticity = kinds materials logarithmic_strain
+uses_one_sided_elasticity = kinds materials logarithmic_strain hyperelasticity
 uses_lode_angle_return = kinds scalar_root materials deviatoric_section plasticity drucker_prager
 uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
-uses_material_point = kinds tensor materials plasticity drucker_prager logarithmic_strain elasticity hyperelasticity lode_angle_return user_material
+uses_material_point = kinds tensor materials plasticity drucker_prager logarithmic_strain elasticity hyperelasticity one_sided_elasticity lode_angle_return user_material
 uses_element_integration_points = kinds tensor element_kinds materials user_material material_point
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 

@@ -37,7 +37,7 @@ module amontons_deck
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
   use amontons_text, only: is_one_of, name_key, plural, parse_integer, NUMBER_OK
-  use amontons_materials, only: material_type, ELASTIC_HYPER, ELASTIC_FOAM, CREEP_NONE
+  use amontons_materials, only: material_type, is_linear_elastic, CREEP_NONE
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   implicit none
   private
@@ -166,7 +166,7 @@ contains
     call read_orientations(reader, model)
     call read_initial_conditions(reader, model)
     call read_steps(reader, model)
-    call refine_thin_shells(model)
+    call refine_thin_shells(reader, model)
     call finalize_materials(model)
     call check_perturbations(reader, model)
     call report_traps(reader, model%mesh)
@@ -472,7 +472,7 @@ contains
     has_linear_law = .not. (allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening) &
       .or. material%is_user .or. &
       material%has_deformation_plasticity .or. material%creep_law /= CREEP_NONE .or. &
-      material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM)
+      .not. is_linear_elastic(material))
   end function has_linear_law
 
 end module amontons_deck

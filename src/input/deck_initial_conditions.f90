@@ -11,7 +11,7 @@ module amontons_deck_initial_conditions
   use amontons_loads, only: temperature_type, load_value
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
-    HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC
+    HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, is_one_sided
   use amontons_model, only: model_type, with_pretension_copies, DIALECT_CALCULIX
   use amontons_structural_data, only: n_section_layers
   use amontons_text, only: to_text, name_key, parse_integer, NUMBER_OK, NUMBER_EMPTY
@@ -588,6 +588,13 @@ contains
         call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // ' is a ' // &
           'membrane: CalculiX numbers the points of a solid here. Use --dialect=abaqus, with one line for all points.')
         return
+      end if
+      if (model%mesh%material(elements(i)) > 0) then
+        if (is_one_sided(model%materials(model%mesh%material(elements(i)))) .and. what /= 'HARDENING') then
+          call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // &
+            ' carries tension or compression only; it can have no initial stress and no plastic strain.')
+          return
+        end if
       end if
       p = model%mesh%point_first(elements(i))
       last = model%mesh%point_first(elements(i) + 1) - 1

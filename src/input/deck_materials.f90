@@ -7,14 +7,15 @@ module amontons_deck_materials
   use amontons_deck_property_tables, only: read_table, read_curves
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
-    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
+    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, &
+    ELASTIC_COMPRESSION_ONLY, is_linear_elastic, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
     CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
     CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_user_routines, only: USER_NAME_LENGTH
-  use amontons_text, only: to_text, parse_integer, parse_real, NUMBER_OK
+  use amontons_text, only: upper_case, to_text, parse_integer, parse_real, NUMBER_OK
   implicit none
   private
   public :: read_materials, add_section_material, add_anisotropic_material, finalize_materials, read_plastic
@@ -120,9 +121,9 @@ contains
     case ('HYPERELASTIC', 'HYPERFOAM')
       is_repeated_law = material%has_elastic
     case ('ELASTIC')
-      is_repeated_law = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
+      is_repeated_law = .not. is_linear_elastic(material)
     case ('USERMATERIAL')
-      is_repeated_law = material%is_user
+      is_repeated_law = material%is_user .or. material%has_elastic
     case default
       is_repeated_law = .false.
     end select
@@ -200,7 +201,7 @@ contains
     integer, intent(in) :: line                  !< of the MATERIAL card
     type(material_type), intent(inout) :: material
     character(:), allocatable :: who
-    logical :: has_yield, is_rubber
+    logical :: has_yield, is_nonlinear
     who = 'The material ''' // material%name // ''' '
     if (.not. (material%has_elastic .or. material%is_user)) call report_error(reader, line, who // 'has no *ELASTIC card.')
     if (material%n_statev > 0 .and. .not. (material%is_user .or. material%is_user_field)) call report_error(reader, line, who // &
@@ -215,17 +216,17 @@ contains
     call find_table_variable(reader, line, material)
     call check_cone(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
-    is_rubber = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
-    if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. (is_rubber .or. material%has_deformation_plasticity)) &
-      call report_error(reader, line, who // 'has both rubber or deformation plasticity and *PLASTIC or *CREEP; give one.')
+    is_nonlinear = material%has_deformation_plasticity .or. .not. is_linear_elastic(material)
+    if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. is_nonlinear) call report_error(reader, line, who // &
+      'has both an elastic law that is not linear and *PLASTIC or *CREEP; give one.')
     if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic_hardening)) call report_error(reader, line, who // &
       'has *CREEP with kinematic hardening, which is not supported; use isotropic hardening.')
     if (allocated(material%kinematic_hardening) .and. (material%elastic_kind == ELASTIC_ORTHOTROPIC .or. &
       material%elastic_kind == ELASTIC_ANISOTROPIC)) call report_error(reader, line, who // 'has kinematic hardening with ' // &
       'anisotropic elasticity, which is not supported; isotropic hardening is.')
-    if (is_rubber .and. allocated(material%expansion%value)) then
+    if (.not. is_linear_elastic(material) .and. allocated(material%expansion%value)) then
       if (size(material%expansion%value, 1) > 1) call report_error(reader, line, who // &
-        'is rubber or foam with anisotropic expansion, which is not supported.')
+        'has an elastic law that is not linear and anisotropic expansion, which is not supported.')
     end if
   end subroutine check_material
 
@@ -269,7 +270,7 @@ contains
   end subroutine find_table_variable
 
 
-  !> USER MATERIAL: the PROPS of UMAT.
+  !> USER MATERIAL: the PROPS of UMAT. CalculiX has laws of its own for names that start with these words.
   subroutine read_user_material(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -278,6 +279,14 @@ contains
     type(data_row_type) :: row
     integer :: n, status
     call open_card(reader, c, parameters, row)
+    if (reader%dialect == DIALECT_CALCULIX .and. .not. has_parameter(parameters, 'LIBRARY')) then
+      if (index(upper_case(material%name), 'TENSION_ONLY') == 1) material%elastic_kind = ELASTIC_TENSION_ONLY
+      if (index(upper_case(material%name), 'COMPRESSION_ONLY') == 1) material%elastic_kind = ELASTIC_COMPRESSION_ONLY
+    end if
+    if (.not. is_linear_elastic(material)) then
+      call read_one_sided(reader, c, material)
+      return
+    end if
     material%is_user = .true.
     material%is_called_in_3d = has_parameter(parameters, 'SPATIAL')
     if (has_parameter(parameters, 'LIBRARY')) material%library = parameter_text(parameters, 'LIBRARY')
@@ -289,6 +298,20 @@ contains
     allocate (material%props(n), source=0.0_DP)
     call read_user_constants(reader, c, row, 'CONSTANTS', material%props)
   end subroutine read_user_material
+
+
+  !> The constants of a material that carries tension or compression only.
+  subroutine read_one_sided(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(material_type), intent(inout) :: material
+    logical :: is_ok
+    material%has_elastic = .true.                ! errors of the card are reported below
+    call read_table(reader, c, 2, material%elastic, is_ok)
+    if (.not. is_ok) return
+    if (.not. all(material%elastic%value > 0)) call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // &
+      material%name // ''' needs a positive Young''s modulus and a positive largest stress of the side that does not carry.')
+  end subroutine read_one_sided
 
 
   !> DEPVAR: the number of the STATEV. Lines that name them are ignored.

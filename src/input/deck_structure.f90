@@ -15,7 +15,7 @@ module amontons_deck_structure
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_structural_data, only: structural_section_type, layer_type, find_node_directors, n_section_layers
+  use amontons_structural_data, only: director_type, structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, parse_integer, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
     KIND_SAX1, KIND_SAX2, KIND_CAX_SHELL, FAMILY_RIGID, is_two_sided, is_structural_family
@@ -355,7 +355,6 @@ contains
         'there, or the first direction of a beam is along the beam.')
     end associate
     if (reader%messages%n_errors > 0) return
-    call check_thinness(reader, model)
     if (model%dialect /= DIALECT_CALCULIX) call check_curvature(reader, model)
   end subroutine read_structure
 
@@ -388,29 +387,17 @@ contains
   end subroutine check_curvature
 
 
-  !> Shells so thin that rounding hides their bending stiffness are refused. Below, corrections converge (`refine_thin_shells`).
-  subroutine check_thinness(reader, model)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
-    real(DP), parameter :: MAX_ERROR = 0.3_DP      !< of the first solution [-]
-    real(DP) :: error
-    integer :: e
-    call estimate_rounding(model, error, e)
-    if (error > MAX_ERROR) call report_error(reader, 0, 'The shell is too thin at element ' // &
-      to_text(model%mesh%element_label(e)) // ' for its size and the extent of the shells: rounding would hide its bending. ' // &
-      'Use smaller elements or a plane element.')
-  end subroutine check_thinness
-
-
   !> The part of bending that one linear solution loses by rounding. The stiffness across the thickness t exceeds that of the
   !! softest bending of a body of extent L with elements of size h by (h L/t^2)^2, in layers of t_l by h^2 L^2/(t_l t^3);
-  !! displacements of cantilevers of S4 err by less than 1e-14 times that (`python -m verify.study.thin_shells`).
+  !! displacements of cantilevers of S4 err by less than 1e-14 times that (`python -m verify.study.thin_shells`). Shells whose nodes
+  !! are held along the normal do not bend.
   pure subroutine estimate_rounding(model, error, element)
     type(model_type), intent(in) :: model
     real(DP), intent(out) :: error                 !< of the displacements [-]
     integer, intent(out) :: element                !< where it is largest; 0: there is no shell
     real(DP), parameter :: ERROR_OF_ROUNDING = 1.0e-14_DP   !< over (h L/t^2)^2 [-]
     real(DP) :: extent, worst, slenderness, t, thinnest
+    logical, allocatable :: is_held(:, :)
     integer :: e
     worst = 0
     element = 0
@@ -419,12 +406,14 @@ contains
     associate (structure => model%structure, X => model%mesh%coordinates)
       if (.not. allocated(structure%directors)) return
       extent = norm2(maxval(X(:, structure%directors%node), 2) - minval(X(:, structure%directors%node), 2))
+      is_held = held_directions(model)
       do e = 1, size(structure%kind)
         if (structure%section(e) == 0) cycle
         if (structure%sections(structure%section(e))%family == FAMILY_BEAM) cycle
         if (structure%sections(structure%section(e))%card == 'RIGID BODY') cycle
         associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1), nodes => &
           structure%nodes(structure%first(e):structure%first(e + 1) - 1))
+          if (all(is_held_along_normal(structure%directors(of)))) cycle
           t = minval(structure%directors(of)%thickness(1))
           associate (height => structure%directors(of(1))%height)
             thinnest = t * minval(height(1:) - height(:ubound(height, 1) - 1))
@@ -436,20 +425,60 @@ contains
       end do
     end associate
     error = ERROR_OF_ROUNDING * worst**2
+
+  contains
+
+    !> Whether the node of a fibre is held along it: only where that is a global axis.
+    elemental logical function is_held_along_normal(director)
+      type(director_type), intent(in) :: director
+      integer :: k
+      k = maxloc(abs(director%axes(:, 1)), 1)
+      is_held_along_normal = is_held(k, director%node) .and. abs(director%axes(k, 1)) > 1 - epsilon(1.0_DP)**0.5_DP
+    end function is_held_along_normal
+
   end subroutine estimate_rounding
+
+
+  !> The global directions in which the steps hold nodes, in each of them.
+  pure function held_directions(model) result(is_held)
+    type(model_type), intent(in) :: model
+    logical :: is_held(3, model%mesh%n_nodes)
+    logical :: is_held_now(3, model%mesh%n_nodes)
+    integer :: i, k
+    is_held = size(model%steps) > 0
+    do k = 1, size(model%steps)
+      is_held_now = .false.
+      do i = 1, size(model%steps(k)%prescribed)
+        associate (held => model%steps(k)%prescribed(i))
+          is_held_now(held%dof, held%node) = .true.
+        end associate
+      end do
+      is_held = is_held .and. is_held_now
+    end do
+    if (.not. allocated(model%frame_of)) return
+    do i = 1, size(model%frame_of)
+      if (model%frame_of(i) > 0) is_held(:, i) = .false.
+    end do
+  end function held_directions
 
 
   !> In thin shells a small residual does not make a small error: bending is soft beside the thickness. The residual of the elements
   !! is exact, so that a second correction removes what rounding spoiled in the first: no residual is small enough to go without the
-  !! estimate of the error. Steps must be read.
-  subroutine refine_thin_shells(model)
+  !! estimate of the error. Shells so thin that rounding hides their bending are refused. Steps must be read.
+  subroutine refine_thin_shells(reader, model)
+    type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
+    real(DP), parameter :: MAX_ERROR = 0.3_DP                !< of the first solution: corrections converge below [-]
     type(controls_type) :: standard
     real(DP), parameter :: MAX_UNREFINED = 1.0e-10_DP        !< of small displacements, one solution as a rule [-]
     real(DP), parameter :: MAX_UNREFINED_FINITE = 1.0e-6_DP  !< of NLGEOM, which iterates anyway [-]
     real(DP) :: error
     integer :: e, k
+    if (reader%messages%n_errors > 0) return
     call estimate_rounding(model, error, e)
+    if (error > MAX_ERROR) call report_error(reader, 0, 'The shell is too thin at element ' // &
+      to_text(model%mesh%element_label(e)) // ' for its size and the extent of the shells: rounding would hide its bending. ' // &
+      'Use smaller elements or a plane element, or hold the displacement along the normal if it is flat and does not bend.')
     do k = 1, size(model%steps)
       if (error < merge(MAX_UNREFINED_FINITE, MAX_UNREFINED, model%steps(k)%is_nlgeom)) cycle
       if (abs(model%steps(k)%controls%r_l - standard%r_l) <= 0) model%steps(k)%controls%r_l = 0

@@ -10,7 +10,7 @@ module amontons_explain
   use amontons_deck_reader, only: reader_type
   use amontons_loads, only: DISTRIBUTED_PRESSURE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
-    ELASTIC_FOAM, LAW_SAINT_VENANT
+    ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, LAW_SAINT_VENANT, law_name
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     ROUGH_FRICTION, NO_SHEAR_LIMIT
@@ -292,6 +292,8 @@ contains
       text = 'anisotropic, D'
     case (ELASTIC_HYPER)
       text = 'rubber of order ' // to_text(material%hyper_order) // ', constants'
+    case (ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY)
+      text = trim(law_name(material)) // ', E and largest stress of the other side'
     case (ELASTIC_FOAM)
       text = 'foam of order ' // to_text(material%hyper_order) // ', constants'
     end select

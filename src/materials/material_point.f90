@@ -22,8 +22,10 @@ module amontons_material_point
     principal_strains_type, find_principal_strains, left_cauchy_green, tensor_from_principal, principal_tangent, expm1, log1p, &
     coth_divided_difference, NEXT_AXIS
   use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
-    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
+    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, &
+    ELASTIC_COMPRESSION_ONLY, is_one_sided, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
     HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL, YIELD_ROUND
+  use amontons_one_sided_elasticity, only: one_sided_stress
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
     is_inelastic, &
     evaluate_ramberg_osgood, RETURN_OK
@@ -184,6 +186,8 @@ contains
         call evaluate_hyperelastic(material, constants, [0.0_DP, 0.0_DP, 0.0_DP], rest)
         moduli%G = 0.5_DP * rest%secant(1)
         moduli%lambda = rest%slope(1, 2)
+      case (ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY)
+        moduli%G = constants(1) / 4                ! at rest half of E carries, without a Poisson effect
       case default
         moduli%is_isotropic = .false.
         Q = voigt_transformation(point%frame)
@@ -288,6 +292,8 @@ contains
     elastic = strain - moduli%thermal - point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
     if (material%has_deformation_plasticity) then
       call evaluate_deformation_plasticity(moduli, elastic, point, status)
+    else if (is_one_sided(material)) then
+      call one_sided_stress(material%elastic_kind, moduli%constants, elastic, point%stress, point%tangent, point%energy)
     else if (moduli%is_isotropic) then
       point%stress = hooke_stress(moduli%lambda, moduli%G, elastic)
       point%tangent = isotropic_tangent(moduli%lambda, moduli%G)

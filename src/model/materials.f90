@@ -9,7 +9,8 @@ module amontons_materials
     evaluate_curves, &
     evaluate_curve, find_interval
   public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
-  public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM
+  public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
+    ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, is_linear_elastic, is_one_sided
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
@@ -26,6 +27,8 @@ module amontons_materials
   integer, parameter :: ELASTIC_ANISOTROPIC = 3 !< the 21 D of the upper triangle, 11 22 33 12 13 23, column by column
   integer, parameter :: ELASTIC_HYPER = 4       !< strain energy of the isochoric invariants or stretches
   integer, parameter :: ELASTIC_FOAM = 5        !< strain energy of a compressible foam
+  integer, parameter :: ELASTIC_TENSION_ONLY = 6       !< E, largest compressive stress
+  integer, parameter :: ELASTIC_COMPRESSION_ONLY = 7   !< E, largest tensile stress
 
   integer, parameter :: HYPER_POLYNOMIAL = 1    !< C_ij, i + j = 1 to N, as 10 01 20 11 02 30 ..., then D_1 to D_N
   integer, parameter :: HYPER_OGDEN = 2         !< mu_1 alpha_1 ... mu_N alpha_N, then D_1 to D_N; foam: nu_i for D_i
@@ -219,6 +222,20 @@ contains
   end subroutine find_interval
 
 
+  !> Whether the elastic stress is linear in the strain of its law.
+  pure logical function is_linear_elastic(material)
+    type(material_type), intent(in) :: material
+    is_linear_elastic = any(material%elastic_kind == [ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC])
+  end function is_linear_elastic
+
+
+  !> Whether a material carries only tension or only compression.
+  pure logical function is_one_sided(material)
+    type(material_type), intent(in) :: material
+    is_one_sided = material%elastic_kind == ELASTIC_TENSION_ONLY .or. material%elastic_kind == ELASTIC_COMPRESSION_ONLY
+  end function is_one_sided
+
+
   !> The name of the law of a material.
   pure function law_name(material) result(words)
     type(material_type), intent(in) :: material
@@ -236,6 +253,10 @@ contains
       words = trim(words) // ', orthotropic'
     case (ELASTIC_ANISOTROPIC)
       words = trim(words) // ', anisotropic'
+    case (ELASTIC_TENSION_ONLY)
+      words = 'tension only'
+    case (ELASTIC_COMPRESSION_ONLY)
+      words = 'compression only'
     case (ELASTIC_FOAM)
       words = 'hyperfoam'
     case (ELASTIC_HYPER)

@@ -307,3 +307,21 @@ def test_moment_about_the_normal(run_deck: Run, tmp_path: Path, by: str, is_fini
     moment = sum(np.cross(nodes[n], forces[(n,)]) for n in (1, 2, 3))
     assert moment[2] == pytest.approx(-100, rel=1e-4)
     assert np.mean([moved[(n,)][1] for n in (601, 603)]) == pytest.approx(100 * 60**2 / (2 * 210000 * 4 * 20**3 / 12), rel=0.03)
+
+
+@pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
+@pytest.mark.parametrize("is_held", [True, False], ids=["held flat", "free to bend"])
+def test_foil(run_deck: Run, tmp_path: Path, is_held: bool, dialect: str) -> None:
+    """A foil 8000 times as long as thick, stretched by 0.5 %: E t w e where it is held flat; refused where it could bend, which rounding would hide."""
+    body = shell("S8R", (6, 6), lambda u, v: (0.2 * u, 0.2 * v, 0 * u))
+    deck = body.cards() + section(3.44e9, 0.3, 25e-6) + held(body.where(1, 0.0), "2") + "*BOUNDARY\n1, 1\n"
+    deck += held(list(range(len(body.nodes))), "3") if is_held else held(body.where(1, 0.0), "3, 6")
+    deck += "*NSET, NSET=LOW\n" + "".join(f"{i + 1},\n" for i in body.where(1, 0.0)) + "*STEP\n*STATIC\n" + held(body.where(1, 1.0), "2, 2, 1e-3")
+    done = run_deck(deck + "*NODE PRINT, NSET=LOW, TOTALS=ONLY\nRF\n*END STEP\n", f"--dialect={dialect}")
+    if not is_held:
+        assert done.returncode == 3
+        assert "too thin at element" in done.stdout + done.stderr
+        return
+    assert done.returncode == 0, done.stdout + done.stderr
+    force = next(iter(read_dat(tmp_path / "job.dat")[-1].rows.values()))[1]
+    assert force == pytest.approx(-3.44e9 * 25e-6 * 0.2 * 0.005, rel=1e-6)

@@ -1,0 +1,90 @@
+"""Materials that carry tension only or compression only against CalculiX itself (ccx), where it is installed: a thin sheet that
+wrinkles under shear, and a cantilever of cracked concrete with a sheet of steel in it.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from verify.decks.make_decks import block
+from verify.decks.shells import held, shell
+from verify.decks.sheets import between
+from verify.decks.solids import as_kind, node_set
+from verify.peers.test_mixed_decks import run_peer
+from verify.readers.dat_frd_files import read_dat
+
+pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+
+RunDeck = Callable[..., subprocess.CompletedProcess[str]]
+SIZE, THICKNESS = 0.2, 25e-6
+CONCRETE_AND_STEEL = """*MATERIAL, NAME=COMPRESSION_ONLY
+*USER MATERIAL, CONSTANTS=2
+1.4e10, 1e4
+*DENSITY
+2350.
+*MATERIAL, NAME=STEEL
+*ELASTIC
+2.1e11, 0.3
+*DENSITY
+7800.
+"""
+
+
+def step_of(weights: str) -> str:
+    """Dead weight in one increment; the free end is printed."""
+    return f"*STEP\n*STATIC\n1., 1.\n*DLOAD\n{weights}*NODE PRINT, NSET=END\nU\n*END STEP\n"
+
+
+def by_both(run_deck: RunDeck, folder: Path, deck: str) -> tuple[dict[tuple[int, ...], list[float]], dict[tuple[int, ...],
+list[float]]]:
+    """The rows of the last table of Amontons and of CalculiX."""
+    done = run_deck(deck, "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (folder / "ccx").mkdir()
+    (folder / "ccx" / "job.inp").write_text(deck)
+    run_peer(folder / "ccx")
+    ours, theirs = (read_dat(place / "job.dat")[-1].rows for place in (folder, folder / "ccx"))
+    return ours, theirs
+
+
+@pytest.mark.parametrize("step", ["*STEP, INC=1000", "*STEP, NLGEOM, INC=1000"])
+def test_wrinkled_sheet(run_deck: RunDeck, tmp_path: Path, step: str) -> None:
+    """A square of foil, 8000 times as long as thick, held flat and sheared: both programs give the force of the tension field."""
+    body = shell("S8R", (6, 6), lambda u, v: (SIZE * u, SIZE * v, 0 * u))
+    sets = "".join(f"*NSET, NSET={name}\n" + "".join(f"{i + 1},\n" for i in body.where(1, y)) for name, y in (("LOW", 0.0), ("HIGH", 1.0)))
+    law = f"*MATERIAL, NAME=TENSION_ONLY_FOIL\n*USER MATERIAL, CONSTANTS=2\n3.44e9, 1e3\n*SHELL SECTION, ELSET=E, MATERIAL=TENSION_ONLY_FOIL\n{THICKNESS:g}\n"
+    deck = body.cards() + sets + law + held(list(range(len(body.nodes))), "3") + f"*BOUNDARY\nLOW, 1, 2\n{step}\n*STATIC\n.1, 1.\n"
+    deck += "*BOUNDARY\nHIGH, 1, 1, 1e-3\nHIGH, 2, 2, 1e-5\n*NODE PRINT, NSET=LOW, TOTALS=ONLY\nRF\n*END STEP\n"
+    ours, theirs = (next(iter(rows.values())) for rows in by_both(run_deck, tmp_path, deck))
+    assert min(-ours[0], -ours[1]) > 1.0
+    assert ours[:2] == pytest.approx(theirs[:2], rel=1e-5)
+
+
+def test_cracked_cantilever(run_deck: RunDeck, tmp_path: Path) -> None:
+    """Of solids both programs give the same deflection; a composite shell of Amontons agrees with it to 5 %. Theory of cracked sections: q L^4/(8 EI) = 2.29e-4, and shear."""
+    heights = np.concatenate([between(0.0, 0.09, 3), between(0.09, 0.1, 1)[1:], between(0.1, 0.2, 3)[1:]])
+    body = as_kind(block(between(0, 1, 20), np.array([0.0, 0.1]), heights, "BODY"), "C3D20R")
+    middles = body.nodes[body.elements[:, :8], 2].mean(axis=1)
+    is_steel = (middles > 0.09) & (middles < 0.1)
+    sets = "".join(f"*ELSET, ELSET={name}\n" + "".join(f"{e + 1},\n" for e in np.flatnonzero(which)) for name, which in (("S", is_steel), ("C", ~is_steel)))
+    sections = "*SOLID SECTION, ELSET=C, MATERIAL=COMPRESSION_ONLY\n*SOLID SECTION, ELSET=S, MATERIAL=STEEL\n"
+    deck = body.cards() + sets + node_set("END", body.where(0, 1.0)) + CONCRETE_AND_STEEL + sections + held(list(body.where(0, 0.0)), "1, 3")
+    ours, theirs = by_both(run_deck, tmp_path, deck + step_of("C, GRAV, 9.81, 0., 0., -1.\nS, GRAV, 9.81, 0., 0., -1.\n"))
+    for node, u in theirs.items():
+        assert ours[node] == pytest.approx(u, rel=1e-4, abs=1e-9)
+    deflection = theirs[next(iter(theirs))][2]
+    plate = shell("S8R", (10, 1), lambda u, v: (u, 0.1 * v, 0 * u))
+    layers = "*SHELL SECTION, ELSET=E, COMPOSITE\n.09,, COMPRESSION_ONLY\n.01,, STEEL\n.1,, COMPRESSION_ONLY\n"
+    deck = plate.cards() + node_set("END", plate.where(0, 1.0)) + CONCRETE_AND_STEEL + layers + held(plate.where(0, 0.0), "1, 6")
+    done = run_deck(deck + step_of("E, GRAV, 9.81, 0., 0., -1.\n"), "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    of_shell = read_dat(tmp_path / "job.dat")[-1].rows
+    assert next(iter(of_shell.values()))[2] == pytest.approx(deflection, rel=0.05)
