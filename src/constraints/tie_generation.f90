@@ -15,12 +15,14 @@ module amontons_tie_generation
   use amontons_shape_functions, only: facet_shapes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_facet_search, only: facet_search_type, build_facet_search
-  use amontons_surface_projection, only: projection_type, find_projection, evaluate_facet_point, PROJECTION_INSIDE
+  use amontons_surface_projection, only: projection_type, find_projection, evaluate_facet_point, find_facet_distance, &
+    PROJECTION_INSIDE
   implicit none
   private
   public :: generate_ties
 
   real(DP), parameter :: TOL_TIE_DISTANCE = 0.025_DP  !< position tolerance over the mean edge of a facet [-]
+  real(DP), parameter :: TOL_TIE_ROUNDING = 1.0e-9_DP   !< of a distance, over the edge of the facet [-]
   real(DP), parameter :: TOL_CYCLIC_MATCH = 1.0e-3_DP   !< matching tolerance of a sector, over the extent of its dependent side [-]
 
 contains
@@ -87,6 +89,8 @@ contains
       if (is_master(slaves(i))) cycle    ! a common node of both surfaces needs no tie
       call find_projection(facets, search, x, x(:, slaves(i)), tolerance_length, projection)
       if (projection%status /= PROJECTION_INSIDE .or. projection%facet == 0) cycle
+      if (tie%tolerance >= 0.0_DP .and. find_facet_distance(facets, projection) > tolerance_length + TOL_TIE_ROUNDING &
+        * facets%edge_length(projection%facet)) cycle   ! beside the master
       n_tied = n_tied + 1
       if (tie%is_adjusted) call evaluate_facet_point(facets, x, projection%facet, projection%xi, mesh%coordinates(:, slaves(i)))
       call add_tie_equations(facets, projection, slaves(i), tie%line, equations)

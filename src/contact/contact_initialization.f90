@@ -11,11 +11,12 @@ module amontons_contact_initialization
   use amontons_contact_constraint_rows, only: evaluate_facet_weights
   use amontons_tributary_areas, only: integrate_face_area, out_of_plane_depth, sum_nodal_areas
   use amontons_surface_projection, only: find_edge_excess
-  use amontons_facets, only: facets_type
+  use amontons_facets, only: facets_type, is_absent_facet
   use amontons_facet_search, only: build_facet_search
   use amontons_mortar, only: find_search_margin, n_imbalance_nodes
   use amontons_shared_slave_nodes, only: order_slave_levels, reachable_nodes_type
   use amontons_slave_nodes, only: detach_slave, is_rough
+  use amontons_contact_step, only: find_faceless_slaves
   use amontons_contact_pairs, only: contact_type, update_mortar_rows, update_projection, set_stick_origin, create_contact, &
     SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO
   use amontons_errors, only: error_type
@@ -75,6 +76,7 @@ contains
           cycle
         end if
         reach = contact%reach(p)
+        if (is_absent_facet(contact%facets(p), slave%facet)) call detach_slave(slave)
         if (slave%slave_facet > 0 .or. .not. contact%has_fixed_geometry(p)) then
           call update_projection(contact, x_now, s, reach, slave)
         else if (is_step_start) then
@@ -96,7 +98,8 @@ contains
     end do
     if (contact%shared_slaves%has_reaction_chains) call list_reachable_nodes(contact, model, fields%slaves, nodes_in_reach)
     call order_slave_levels(fields%slaves, mirrored_pairs(contact, model), nodes_in_reach, contact%shared_slaves)
-    where (contact%is_pretension_duplicate) fields%slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
+    where (contact%is_pretension_duplicate .or. find_faceless_slaves(contact, model, fields%slaves)) &
+      fields%slaves%overrides%side = NODE_OVERRIDE_GIVES_WAY
     do s = 1, size(fields%slaves)
       if (.not. gives_way(fields%slaves(s)%overrides)) cycle
       call detach_slave(fields%slaves(s))
@@ -315,7 +318,7 @@ contains
     do p = 1, size(model%pairs)
       if (.not. is_compliant(contact%laws(p)) .or. model%pairs(p)%is_mortar) cycle
       allocate (area_vector(3, size(x, 2)), area(size(x, 2)), source=0.0_DP)
-      call sum_nodal_areas(model%mesh, contact%slave_area_faces(p), x, area_vector, area)
+      call sum_nodal_areas(model%mesh, contact%slave_area_faces(p), x, area_vector, area, contact%is_absent)
       do s = 1, size(slaves)
         if (slaves(s)%pair /= p) cycle
         if (area(slaves(s)%node) > 0.0_DP) then
@@ -378,7 +381,7 @@ contains
       if (allocated(pair%adjust_nodes)) then
         is_adjusted = any(pair%adjust_nodes == slave%node)
       else
-        is_adjusted = slave%gap - slave%offset <= pair%adjust
+        is_adjusted = slave%gap - slave%offset <= pair%adjust .and. slave%gap - slave%offset >= -pair%adjust_depth
       end if
     end associate
   end function is_adjusted

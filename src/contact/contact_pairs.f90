@@ -35,7 +35,7 @@ module amontons_contact_pairs
     PROJECTION_INSIDE, PROJECTION_OUTSIDE
   implicit none
   private
-  public :: contact_type, create_contact, begin_contact_step, set_free_directions, resize_contact
+  public :: contact_type, create_contact, set_free_directions, resize_contact
   public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
     update_mortar_slave, update_gap, set_stick_origin, is_stuck_to_mortar_row, find_slaves_apart, &
@@ -58,6 +58,7 @@ module amontons_contact_pairs
     logical, allocatable :: has_fixed_geometry(:)           !< (n_pairs) weights and normals are fixed in this step
     type(interaction_type), allocatable :: laws(:)   !< (n_pairs) in this step
     logical, allocatable :: is_removed(:)         !< (n_pairs) removed in this step
+    logical, allocatable :: is_absent(:)          !< (n_elements) removed: their faces touch nothing; not allocated: none
     logical, allocatable :: is_pretension_duplicate(:)  !< (n_slaves) a pre-tension section binds it to a slave of its pair that has
                                                         !! the contact of both
     real(DP), allocatable :: interference(:)      !< (n_pairs) overclosure allowed at the start of this step [length]
@@ -410,25 +411,6 @@ contains
     contact%is_uncoupled = find_uncoupled_slaves(contact, model, slaves, base)
     if (contact%shared_slaves%has_reaction_chains) call build_condensation_matrix(base, contact%force_condensation, error)
   end subroutine set_free_directions
-
-
-  !> Start of a step: the laws in force, and the pairs removed or added.
-  subroutine begin_contact_step(contact, model, step)
-    type(contact_type), intent(inout) :: contact
-    type(model_type), intent(in) :: model
-    type(step_type), intent(in) :: step
-    contact%laws = pair_interactions(model%pairs, model%interactions)
-    if (allocated(step%interactions)) contact%laws = pair_interactions(model%pairs, step%interactions)
-    contact%is_removed = .false.
-    if (allocated(step%is_removed)) contact%is_removed = step%is_removed
-    contact%period = step%period
-    contact%controls = step%controls%contact
-    contact%interference = 0.0_DP
-    contact%is_shrink_fit = .false.
-    if (allocated(step%interference)) contact%interference = step%interference
-    if (allocated(step%is_shrink_fit)) contact%is_shrink_fit = step%is_shrink_fit
-    contact%is_ramped = model%dialect == DIALECT_CALCULIX .and. (model%pairs%is_mortar .or. is_compliant(contact%laws))
-  end subroutine begin_contact_step
 
 
   !> Updates the rows of mortar pairs at x. A node that is slave in several of them with the same normal gets one merged row, in the

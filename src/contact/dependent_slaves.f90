@@ -10,7 +10,7 @@ module amontons_dependent_slaves
   use amontons_errors, only: error_type
   use amontons_text, only: to_text, plural, NEWLINE
   use amontons_model, only: model_type
-  use amontons_surfaces, only: interaction_type, surface_type, is_compliant, BEHAVIOR_LINEAR
+  use amontons_surfaces, only: interaction_type, surface_type, is_compliant, swap_advice, BEHAVIOR_LINEAR
   use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, add_constraint_row, constraint_row_type
   use amontons_nonlinear_mpc, only: add_nonlinear_mpcs
   use amontons_tributary_areas, only: add_nodal_face_areas, find_mean_edge_length
@@ -50,7 +50,7 @@ contains
           plural(size(found), 'slave node') // ' (' // to_text(model%mesh%node_label(found(1))) // &
           trim(merge(', ...', '     ', size(found) > 1)) // ').'
         if (min_modulus(model, model%surfaces(pair%master), is_dependent) < huge(1.0_DP)) text = text // &
-          ' Swap slave and master for exact contact.'
+          ' ' // swap_advice(pair) // ' for exact contact.'
       end associate
     end do
   end subroutine find_penalties

@@ -14,11 +14,12 @@
 module amontons_driven_slaves
   use amontons_kinds, only: DP
   use amontons_text, only: to_text
-  use amontons_surfaces, only: is_compliant
+  use amontons_surfaces, only: is_compliant, swap_advice
   use amontons_model, only: model_type
   use amontons_state, only: slave_state_type
   use amontons_constraints, only: constraints_type, is_prescribed_along
   use amontons_contact_constraint_rows, only: contact_row_type, evaluate_relative_position
+  use amontons_contact_step, only: find_faceless_slaves
   use amontons_contact_pairs, only: contact_type, current_row, update_gap, update_projection
   use amontons_slave_node_overrides, only: gives_way
   implicit none
@@ -39,12 +40,14 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     character(:), allocatable, intent(out) :: message   !< '': none
     type(slave_state_type) :: slave
-    logical :: is_driven, is_master_driven
+    logical :: is_driven, is_master_driven, is_faceless(size(slaves))
     integer :: s
     message = ''
+    is_faceless = find_faceless_slaves(contact, model, slaves)   ! of removed elements
     do s = 1, size(slaves)
       associate (p => slaves(s)%pair)
         if (contact%is_removed(p) .or. slaves(s)%slave_facet > 0 .or. all(contact%free_mask(:, s) > 0.0_DP)) cycle
+        if (is_faceless(s)) cycle
         if (is_compliant(contact%laws(p)) .and. .not. contact%laws(p)%is_penalty) cycle
       end associate
       slave = find_position(model, contact, s, slaves(s), u)
@@ -120,8 +123,7 @@ contains
         if (pair%is_general) message = message // 'are named in *CONTACT EXCLUSIONS.'
         if (.not. pair%is_general) message = message // 'need no *CONTACT PAIR.'
       else
-        message = message // 'and exact contact cannot push a node that supports hold. Swap slave and master'
-        if (pair%is_general) message = message // ' (*CONTACT FORMULATION)'
+        message = message // 'and exact contact cannot push a node that supports hold. ' // swap_advice(pair)
         message = message // ', or give a *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, whose force acts on the master alone.'
       end if
     end associate

@@ -15,9 +15,11 @@ module amontons_general_contact
   use amontons_containers, only: integer_list_type, list_groups, ascending_order
   use amontons_elasticity, only: small_strain_modulus
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
-  use amontons_model, only: model_type, absent_elements
+  use amontons_model, only: model_type
   use amontons_body_motion, only: estimate_motion, are_rotations_prescribed, find_folding_bodies
   use amontons_contact_heights, only: assign_heights
+  use amontons_exterior_membership, only: find_members, find_tie_lines, find_tied_faces, contact_rules, &
+    find_uncounted_elements
   use amontons_exterior_surface, only: exterior_type, build_exterior, is_thin, has_area
   use amontons_body_thickness, only: measure_body_thickness
   use amontons_facets, only: facets_type
@@ -34,7 +36,7 @@ module amontons_general_contact
   public :: general_pairs_type, find_general_pairs, near_faces_type, find_near_faces
   public :: face_data_type, side_type, build_model_exterior, collect_stiffness, add_to_side, compare_sides
   public :: body_name, is_rigid_sheet
-  public :: TOUCHING_RADIUS, collect_face_data, find_interaction, are_named, contact_rules, make_surface
+  public :: TOUCHING_RADIUS, collect_face_data, find_interaction, are_named, make_surface
 
   real(DP), parameter :: TOUCHING_RADIUS = 0.05_DP         !< faces within this distance, over the edge, touch or soon will [-]
   real(DP), parameter :: TOL_HEIGHT = 1.0e-12_DP           !< of equal heights, over the edge: rounding [-]
@@ -64,9 +66,10 @@ module amontons_general_contact
     type(rigid_bodies_type) :: rigid               !< of the nodes
     logical, allocatable :: is_held(:)             !< (n) a support holds a corner along the normal in the first step
     real(DP), allocatable :: modulus(:)            !< (n) Young's modulus of the element [stress]
-    integer, allocatable :: column_of(:)           !< (0:n_surfaces) column of is_in of a surface of the rules; else 0
+    integer, allocatable :: column_of(:)           !< (0:n_surfaces + n_ties) column of is_in of a surface of the rules, or of the
+                                                   !! faces that a tie holds; else 0
     logical, allocatable :: is_in(:, :)            !< (n, columns) the face belongs to the surface
-    integer, allocatable :: excluded(:, :)         !< (2, :) surfaces that do not touch: exclusions, given pairs, ties
+    integer, allocatable :: excluded(:, :)         !< (2, :) surfaces that do not touch: exclusions, given pairs, tied faces
     integer, allocatable :: given_pair(:)          !< of each of them: the given pair; 0: an exclusion or a tie
     integer, allocatable :: group(:)               !< (n) number of patch and surfaces: faces of a group follow the same rules
     integer :: n_groups = 0
@@ -127,15 +130,15 @@ contains
   end subroutine find_general_pairs
 
 
-  !> The exterior of the model in its first step.
+  !> The exterior of the model in its first step, and of the bodies that later steps add.
   subroutine build_model_exterior(model, exterior)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(out) :: exterior
     integer :: no_node_pairs(2, 0)
     if (allocated(model%pretension_node_pairs)) then
-      call build_exterior(model%mesh, absent_elements(model, 1), model%pretension_node_pairs, exterior)
+      call build_exterior(model%mesh, find_uncounted_elements(model), model%pretension_node_pairs, exterior)
     else
-      call build_exterior(model%mesh, absent_elements(model, 1), no_node_pairs, exterior)
+      call build_exterior(model%mesh, find_uncounted_elements(model), no_node_pairs, exterior)
     end if
     if (exterior%n > 0) call measure_body_thickness(model%mesh, exterior, SEARCH_RADIUS_RATIO * maxval(exterior%edge_length), &
       exterior%thickness)
@@ -217,46 +220,37 @@ contains
     type(exterior_type), intent(in) :: exterior
     type(face_data_type), intent(inout) :: data
     type(general_contact_type) :: rules
-    logical :: is_named(0:size(model%surfaces)), is_member(6, model%mesh%n_elements), is_node(model%mesh%n_nodes)
-    integer :: i, f, n
+    logical :: is_named(0:size(model%surfaces))
+    integer, allocatable :: tie_line(:)
+    integer :: i, n, n_ties
     rules = contact_rules(model)
     data%excluded = rules%excluded
     data%given_pair = spread(0, 1, size(rules%excluded, 2))
     do i = 1, size(model%pairs)
       if (.not. model%pairs(i)%is_general) call leave_out(model%pairs(i)%slave, model%pairs(i)%master, i)
     end do
-    if (allocated(model%ties)) then
-      do i = 1, size(model%ties)
-        call leave_out(model%ties(i)%slave, model%ties(i)%master, 0)
-      end do
-    end if
+    n_ties = 0
+    if (allocated(model%ties)) n_ties = size(model%ties)
+    do i = 1, n_ties                               ! the faces that it holds count as a surface after those of the model
+      call leave_out(size(model%surfaces) + i, model%ties(i)%master, 0)
+    end do
     is_named = .false.
-    is_named([rules%included, data%excluded, rules%assigned(:2, :), rules%roles]) = .true.
+    is_named([pack(data%excluded, data%excluded <= size(model%surfaces)), [rules%included, rules%assigned(:2, :), rules%roles, &
+      rules%initialized(:2, :)]]) = .true.
     is_named(0) = .false.
-    allocate (data%column_of(0:size(model%surfaces)), source=0)
-    allocate (data%is_in(exterior%n, count(is_named)))
+    allocate (data%column_of(0:size(model%surfaces) + n_ties), source=0)
+    allocate (data%is_in(exterior%n, count(is_named) + n_ties))
     n = 0
     do i = 1, size(model%surfaces)
       if (.not. is_named(i)) cycle
       n = n + 1
       data%column_of(i) = n
-      associate (surface => model%surfaces(i))
-        is_member = .false.
-        is_node = .false.
-        if (allocated(surface%profile)) then
-          data%is_in(:, n) = .false.
-        else if (surface%is_node_based) then
-          is_node(surface%nodes) = .true.
-          do f = 1, exterior%n
-            data%is_in(f, n) = all(is_node(exterior%nodes(exterior%first(f):exterior%first(f + 1) - 1)))
-          end do
-        else
-          do f = 1, size(surface%element)
-            is_member(surface%face(f), surface%element(f)) = .true.
-          end do
-          data%is_in(:, n) = [(is_member(exterior%face(f), exterior%element(f)), f=1, exterior%n)]
-        end if
-      end associate
+      data%is_in(:, n) = find_members(model, exterior, model%surfaces(i))
+    end do
+    if (n_ties > 0) tie_line = find_tie_lines(model)
+    do i = 1, n_ties
+      data%column_of(size(model%surfaces) + i) = n + i
+      data%is_in(:, n + i) = find_tied_faces(model, exterior, model%ties(i), tie_line)
     end do
 
   contains
@@ -270,18 +264,6 @@ contains
     end subroutine leave_out
 
   end subroutine collect_memberships
-
-
-  !> The rules of general contact; without it, rules that include nothing.
-  pure function contact_rules(model) result(rules)
-    type(model_type), intent(in) :: model
-    type(general_contact_type) :: rules
-    if (allocated(model%general_contact)) then
-      rules = model%general_contact
-    else
-      allocate (rules%included(2, 0), rules%excluded(2, 0), rules%assigned(3, 0), rules%roles(2, 0))
-    end if
-  end function contact_rules
 
 
   !> Numbers the groups: faces of one patch in the same surfaces with the same height.
@@ -344,10 +326,22 @@ contains
     interaction = 0
     if (.not. any([(are_named(data, g, h, rules%included(:, k), analytic), k=1, size(rules%included, 2))])) return
     if (any([(are_named(data, g, h, data%excluded(:, k), analytic), k=1, size(data%excluded, 2))])) return
-    do k = 1, size(rules%assigned, 2)
-      if (are_named(data, g, h, rules%assigned(:2, k), analytic)) interaction = rules%assigned(3, k)
-    end do
+    interaction = last_assigned(data, g, h, rules%assigned, analytic)
   end function find_interaction
+
+
+  !> What the last line that names the faces of two groups assigns to them; 0: no line does.
+  pure integer function last_assigned(data, g, h, assigned, analytic) result(found)
+    type(face_data_type), intent(in) :: data
+    integer, intent(in) :: g, h                    !< groups
+    integer, intent(in) :: assigned(:, :)          !< (3, :) two surfaces, and what is assigned
+    integer, intent(in) :: analytic                !< index of the analytic surface that group 0 stands for, else 0
+    integer :: k
+    found = 0
+    do k = 1, size(assigned, 2)
+      if (are_named(data, g, h, assigned(:2, k), analytic)) found = assigned(3, k)
+    end do
+  end function last_assigned
 
 
   !> Whether two surfaces name the faces of both groups, in either order.
@@ -672,7 +666,7 @@ contains
     integer, intent(in) :: partner                 !< group, or n_groups + analytic surface
     integer(I64), intent(out) :: key
     logical, intent(out) :: is_slave
-    integer :: patch, other, interaction, m, reason
+    integer :: patch, other, interaction, initial, m, reason
     integer(I64) :: n_others, n_rules
     integer :: heights                             ! of both faces as one number, that of the slave first
     if (partner > data%n_groups) then
@@ -680,6 +674,7 @@ contains
       patch = exterior%n_patches + exterior%body(f)   ! a profile needs no patches: it acts on nodes
       other = exterior%n_bodies + partner - data%n_groups
       interaction = find_interaction(rules, data, data%group(f), 0, partner - data%n_groups)
+      initial = last_assigned(data, data%group(f), 0, rules%initialized, partner - data%n_groups)
       heights = data%height_class(f) - 1
     else
       m = data%member(partner)
@@ -687,12 +682,13 @@ contains
       patch = exterior%patch(merge(f, m, is_slave))
       other = exterior%body(merge(m, f, is_slave))
       interaction = find_interaction(rules, data, data%group(f), partner, 0)
+      initial = last_assigned(data, data%group(f), partner, rules%initialized, 0)
       heights = data%height_class(merge(f, m, is_slave)) - 1 + data%n_heights * (data%height_class(merge(m, f, is_slave)) - 1)
     end if
     n_others = int(exterior%n_bodies + size(data%column_of), I64)
     n_rules = int(size(rules%assigned, 2) + 1, I64)
     key = (int(patch, I64) * n_others + int(other, I64)) * n_rules + int(findloc(rules%assigned(3, :), interaction, dim=1), I64)
-    key = key * int(data%n_heights**2, I64) + int(heights, I64)
+    key = (key * int(data%n_heights**2, I64) + int(heights, I64)) * int(size(rules%initialized, 2) + 1, I64) + int(initial, I64)
   end subroutine find_pair_key
 
 
@@ -719,10 +715,14 @@ contains
         minval(exterior%edge_length(slaves))
     end if
     pair%is_general = .true.
+    g = data%group(slaves(1))
+    h = 0
+    if (.not. has_profile) h = data%group(masters(1))
+    call initialize_pair(model%general_contact, last_assigned(data, g, h, model%general_contact%initialized, &
+      merge(partner - data%n_groups, 0, has_profile)), pair)
     pair%is_mortar = model%general_contact%is_mortar .and. .not. has_profile
     pair%height = exterior%height(slaves(1))
     if (.not. has_profile) pair%height = pair%height + exterior%height(masters(1))
-    g = data%group(slaves(1))
     call make_surface(model, exterior, data, slaves, slave)
     slave%name = body_name(model, exterior, exterior%body(slaves(1)))
     if (.not. has_profile) slave%name = slave%name // '#' // to_text(exterior%patch(slaves(1)))
@@ -735,7 +735,6 @@ contains
       pair%master = s
       pair%interaction = find_interaction(model%general_contact, data, g, 0, s)
     else
-      h = data%group(masters(1))
       pair%interaction = find_interaction(model%general_contact, data, g, h, 0)
       call make_surface(model, exterior, data, masters, master)
       master%name = body_name(model, exterior, exterior%body(masters(1)))
@@ -750,6 +749,19 @@ contains
     if (.not. has_profile) text = text // ' (' // plural(size(master%face), 'face') // ')'
     text = text // ', interaction ' // model%interactions(pair%interaction)%name // ': ' // trim(REASON_WORDS(reason)) // '.'
   end subroutine append_pair
+
+
+  !> What becomes of the overclosures of a pair at the start.
+  pure subroutine initialize_pair(rules, i, pair)
+    type(general_contact_type), intent(in) :: rules
+    integer, intent(in) :: i                       !< initialization; 0: they are pushed out in the first increment
+    type(contact_pair_type), intent(inout) :: pair
+    if (i == 0) return
+    pair%is_shrink_fit = rules%initial(i)%is_fit
+    pair%has_adjust = .not. pair%is_shrink_fit
+    pair%adjust = rules%initial(i)%above
+    pair%adjust_depth = rules%initial(i)%below
+  end subroutine initialize_pair
 
 
   !> Whether the search of contact pairs reaches beyond their heights: an obstacle if not.

@@ -31,7 +31,8 @@ module amontons_unpaired_crossing
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE, MIN_ROW_COSINE
   use amontons_body_motion, only: displacement_span
   use amontons_rigid_exterior, only: is_pair_driven
-  use amontons_general_contact, only: find_interaction, are_named, contact_rules, body_name
+  use amontons_general_contact, only: find_interaction, are_named, body_name
+  use amontons_exterior_membership, only: contact_rules
   use amontons_face_proximity, only: box_distance, find_active_faces, build_face_search, is_larger
   use amontons_unpaired_contact, only: model_faces_type, place_faces, smallest_width, have_pair, other_side
   implicit none

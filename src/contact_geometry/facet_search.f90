@@ -10,13 +10,14 @@
 !! Detection, Elsevier 2005, sec. 7.2 (grids of several sizes).
 module amontons_facet_search
   use amontons_kinds, only: DP, I64
-  use amontons_facets, only: facets_type
+  use amontons_facets, only: facets_type, is_absent_facet
   implicit none
   private
   public :: facet_search_type, build_facet_search, renew_facet_search, find_near_facets
 
   integer, parameter :: BUCKETS_PER_FACET = 4          !< so that few cells share a bucket
   integer, parameter :: MAX_LEVELS = 30                !< grids
+  integer, parameter :: NO_LEVEL = -1                  !< of a facet in no grid
   real(DP), parameter :: MAX_CELLS_PER_SIDE = 2.0_DP   !< largest side of a box over the cells of its grid [-]
   real(DP), parameter :: BOX_ENLARGEMENT = 0.12_DP  !< boxes are enlarged by this fraction for extension zone and curvature [-]
 
@@ -26,16 +27,17 @@ module amontons_facet_search
     real(DP) :: lower(3) = 0, upper(3) = 0         !< corners of the box of all [length]
     real(DP) :: cell(0:MAX_LEVELS) = 1             !< size of a cell of each grid [length]
     logical :: is_used(0:MAX_LEVELS) = .false.     !< a grid has facets
-    integer, allocatable :: level(:)               !< (n) grid of each facet
+    integer, allocatable :: level(:)               !< (n) grid of each facet, or NO_LEVEL
     integer, allocatable :: first(:)               !< (buckets + 1) start of a bucket's facets
     integer, allocatable :: facet(:)               !< facets of all buckets, ascending in each
-    real(DP), allocatable :: box(:, :, :)          !< (3, 2, n) lower and upper corners of the widened boxes [length]
+    real(DP), allocatable :: box(:, :, :)          !< (3, 2, n) lower and upper corners of the widened boxes; exchanged: no box
+                                                   !! [length]
     real(DP), allocatable :: place(:, :)           !< (3, size(facets%nodes)) nodes of the facets when it was built [length]
   end type facet_search_type
 
 contains
 
-  !> Builds the grids for the facets at coordinates x. Cost: O(n).
+  !> Builds the grids for the facets at coordinates x, but for those of removed elements. Cost: O(n).
   subroutine build_facet_search(facets, x, margin, search, own_margins)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) current coordinates [length]
@@ -45,6 +47,9 @@ contains
     search%margin = margin
     call build_boxes(facets, x, search, own_margins)
     if (facets%n == 0) return
+    if (allocated(facets%is_absent)) then
+      if (all(facets%is_absent)) return
+    end if
     call size_grids(search)
     call fill_buckets(search)
     search%place = x(:, facets%nodes)
@@ -91,7 +96,7 @@ contains
   end subroutine find_near_facets
 
 
-  !> The enlarged boxes.
+  !> The enlarged boxes; that of a removed element has its corners exchanged, so that no point is in it.
   subroutine build_boxes(facets, x, search, own_margins)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
@@ -112,6 +117,7 @@ contains
       if (present(own_margins)) margin = margin + own_margins(f)
       search%box(:, 1, f) = low - margin
       search%box(:, 2, f) = high + margin
+      if (is_absent_facet(facets, f)) search%box(:, :, f) = search%box(:, 2:1:-1, f)
     end do
   end subroutine build_boxes
 
@@ -120,17 +126,20 @@ contains
   subroutine size_grids(search)
     type(facet_search_type), intent(inout) :: search
     real(DP) :: side(size(search%box, 3))
+    logical :: has_box(size(search%box, 3))
     integer :: f, l
     search%lower = minval(search%box(:, 1, :), dim=2)
     search%upper = maxval(search%box(:, 2, :), dim=2)
     side = maxval(search%box(:, 2, :) - search%box(:, 1, :), dim=1)
-    search%cell(0) = max(minval(side) / MAX_CELLS_PER_SIDE, maxval(search%upper - search%lower) / 2.0_DP**(MAX_LEVELS - 1), &
-      tiny(1.0_DP))
+    has_box = all(search%box(:, 2, :) >= search%box(:, 1, :), dim=1)
+    search%cell(0) = max(minval(side, mask=has_box) / MAX_CELLS_PER_SIDE, maxval(search%upper - search%lower) &
+      / 2.0_DP**(MAX_LEVELS - 1), tiny(1.0_DP))
     do l = 1, MAX_LEVELS
       search%cell(l) = 2.0_DP * search%cell(l - 1)
     end do
-    allocate (search%level(size(side)))
+    allocate (search%level(size(side)), source=NO_LEVEL)
     do f = 1, size(side)
+      if (.not. has_box(f)) cycle
       l = 0
       do while (side(f) > MAX_CELLS_PER_SIDE * search%cell(l) .and. l < MAX_LEVELS)
         l = l + 1
@@ -176,6 +185,7 @@ contains
     integer, intent(inout) :: last(:)              !< (buckets) the last facet entered
     integer, intent(inout) :: list(:)              !< facets of all buckets
     integer :: low(3), high(3), i, j, k, c
+    if (search%level(f) == NO_LEVEL) return
     low = cell_index(search, search%level(f), search%box(:, 1, f))
     high = cell_index(search, search%level(f), search%box(:, 2, f))
     do k = low(3), high(3)

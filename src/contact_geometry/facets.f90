@@ -23,7 +23,7 @@ module amontons_facets
   implicit none
   private
   public :: facets_type, build_facets, facet_nodes, facet_tangents, facet_label, n_facet_corners, is_line_facet, is_hidden_behind, &
-    is_unseen, facet_centre
+    is_unseen, is_absent_facet, facet_centre
   public :: EDGE_FREE, EDGE_SMOOTH, EDGE_CONVEX, EDGE_CONCAVE
 
   integer, parameter :: EDGE_FREE = 0         !< no facet across
@@ -50,6 +50,7 @@ module amontons_facets
     integer, allocatable :: at(:)             !< facets at each node of the mesh
     integer, allocatable :: unseen_first(:)   !< (n_nodes + 1) self contact: start of a node's facets in unseen(:)
     integer, allocatable :: unseen(:)         !< facets that a node of the surface cannot touch (amontons_self_contact_visibility)
+    logical, allocatable :: is_absent(:)      !< (n) of removed elements, which touch nothing; unallocated: none
     logical :: is_faceted = .false.           !< each facet has vertices of its own: the normal jumps at every edge
     integer, allocatable :: vertex(:)         !< vertex of each entry of nodes(:)
     integer :: n_vertices = 0
@@ -142,12 +143,23 @@ contains
   end function is_hidden_behind
 
 
-  !> Self contact: whether a node cannot touch a facet, because it is near it on the surface or behind it in the material.
+  !> Whether a facet is of a removed element.
+  pure logical function is_absent_facet(facets, f)
+    type(facets_type), intent(in) :: facets
+    integer, intent(in) :: f                         !< facet; 0: none, which is not
+    is_absent_facet = .false.
+    if (allocated(facets%is_absent) .and. f > 0) is_absent_facet = facets%is_absent(f)
+  end function is_absent_facet
+
+
+  !> Whether a node cannot touch a facet: that of a removed element; in self contact one near it on the surface or behind it in the
+  !! material.
   pure logical function is_unseen(facets, node, f)
     type(facets_type), intent(in) :: facets
     integer, intent(in) :: node                      !< of the mesh
     integer, intent(in) :: f                         !< facet
-    is_unseen = .false.
+    is_unseen = is_absent_facet(facets, f)
+    if (is_unseen) return
     if (allocated(facets%unseen)) is_unseen = any(facets%unseen(facets%unseen_first(node):facets%unseen_first(node + 1) - 1) == f)
   end function is_unseen
 

@@ -25,7 +25,8 @@ module amontons_surface_projection
   public :: projection_type, gap_derivatives_type
   public :: MIN_OPPOSED_COSINE
   public :: track_projection, find_projection, evaluate_gap_derivatives, evaluate_facet_point, evaluate_vertex_normal, &
-    evaluate_vertex_derivative, find_edge_excess, measure_thickness, find_clearance
+    evaluate_vertex_derivative, find_edge_excess, measure_thickness, find_clearance, &
+    find_facet_distance
   public :: PROJECTION_INSIDE, PROJECTION_OUTSIDE, PROJECTION_FAILED
 
   real(DP), parameter :: EXTENSION_ZONE = 0.1_DP       !< extension zone beyond a free edge, over facet length [-]

@@ -210,15 +210,19 @@ contains
 
 
   !> Adds the shares of all faces to their nodes.
-  subroutine sum_nodal_areas(mesh, surface, x, area_vector, area)
+  subroutine sum_nodal_areas(mesh, surface, x, area_vector, area, is_absent)
     type(mesh_type), intent(in) :: mesh
     type(element_faces_type), intent(in) :: surface
     real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(inout) :: area_vector(:, :), area(:)   !< (3, n_nodes), (n_nodes) [length^2]
+    logical, intent(in), optional :: is_absent(:)  !< (n_elements) their faces do not count
     type(element_kind_type) :: kind
     type(facet_kind_type) :: shape
     integer :: nodes(MAX_FACE_NODES), f, n
     do f = 1, size(surface%element)
+      if (present(is_absent)) then
+        if (is_absent(surface%element(f))) cycle
+      end if
       kind = element_kind(mesh%kind(surface%element(f)))
       shape = facet_kind(kind%face_kind(surface%face(f)))
       n = shape%n_nodes

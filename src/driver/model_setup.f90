@@ -117,6 +117,8 @@ contains
     integer :: i, n
     do i = 1, size(model%steps)
       associate (step => model%steps(i))
+        if (i == 1 .and. any(model%pairs%is_shrink_fit) .and. .not. allocated(step%interference)) &
+          allocate (step%interference(0), step%is_shrink_fit(0))
         if (allocated(step%is_removed)) then
           n = size(model%pairs) - size(step%is_removed)
           step%is_removed = [step%is_removed, spread(.false., 1, n)]
@@ -125,6 +127,7 @@ contains
           n = size(model%pairs) - size(step%interference)
           step%interference = [step%interference, spread(0.0_DP, 1, n)]
           step%is_shrink_fit = [step%is_shrink_fit, spread(.false., 1, n)]
+          if (i == 1) step%is_shrink_fit = step%is_shrink_fit .or. model%pairs%is_shrink_fit
         end if
       end associate
     end do

@@ -39,7 +39,8 @@ module amontons_equilibrium
   use amontons_user_element_forces, only: add_user_forces
   use amontons_user_elements, only: user_unknowns
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
-  use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, set_free_directions, current_row, &
+  use amontons_contact_step, only: begin_contact_step
+  use amontons_contact_pairs, only: contact_type, create_contact, set_free_directions, current_row, &
     renew_searches
   use amontons_contact_evaluation, only: evaluate_contact
   use amontons_slave_nodes, only: contact_force_rounding

@@ -253,11 +253,24 @@ contains
     call table%card('CONTACT INCLUSIONS', SCOPE_MODEL, 'The faces that may touch each other.', parent='CONTACT', &
       data='surface, surface (none: the first again); a first one that is left out is the whole exterior')
     call table%option('ALL EXTERIOR', VALUE_NONE, 'All free faces of all bodies, and all analytic surfaces.')
-    call table%card('CONTACT EXCLUSIONS', SCOPE_MODEL, 'Faces that do not touch each other. Tied surfaces and those of ' // &
+    call table%card('CONTACT EXCLUSIONS', SCOPE_MODEL, 'Faces that do not touch each other. Tied faces and those of ' // &
       'CONTACT PAIR are left out without it.', parent='CONTACT', data='surface, surface, as in CONTACT INCLUSIONS')
     call table%card('CONTACT PROPERTY ASSIGNMENT', SCOPE_MODEL, 'Gives faces their interaction; the last line that holds for ' // &
       'two faces counts. Without one contact is exact and frictionless.', parent='CONTACT', &
       data='surface, surface (as in CONTACT INCLUSIONS), interaction')
+    call table%card('CONTACT INITIALIZATION DATA', SCOPE_MODEL, 'What becomes of overclosures of general contact at the ' // &
+      'start: the slave nodes are moved onto the master, without stress.')
+    call table%option('NAME', VALUE_NAME, 'Its name for CONTACT INITIALIZATION ASSIGNMENT.', default='required')
+    call table%option('INTERFERENCE FIT', VALUE_NONE, 'They go to zero over the first step, which strains the bodies; ' // &
+      'nothing is moved.')
+    call table%option('SEARCH ABOVE', VALUE_REAL, 'Slave nodes within this distance before the master are moved, too.', &
+      default='0')
+    call table%option('SEARCH BELOW', VALUE_REAL, 'Slave nodes deeper in the master are not moved.', default='none')
+    call table%option('INITIAL CLEARANCE', VALUE_TEXT, 'Give the two surfaces a *CONTACT PAIR with a *CLEARANCE.', &
+      status=ENTRY_REJECTED)
+    call table%card('CONTACT INITIALIZATION ASSIGNMENT', SCOPE_MODEL, 'Gives faces their initialization; the last line that ' // &
+      'holds for two faces counts. Overclosures without one are pushed out in the first increment.', parent='CONTACT', &
+      data='surface, surface (as in CONTACT INCLUSIONS), initialization')
     call table%card('CONTACT FORMULATION', SCOPE_MODEL, 'Says which of two surfaces is the slave; without it ' // &
       'the program chooses.', parent='CONTACT', &
       data='surface, surface (as in CONTACT INCLUSIONS), role of the first: SLAVE or MASTER')
@@ -848,8 +861,7 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'HCF|CRACK PROPAGATION', 'Fatigue and crack growth are not computed: ' // &
       'take the stresses of a *STATIC step from job.vtkhdf or job.frd to a program for them.')
     call table%cards_with(ENTRY_REJECTED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
-      'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS|CONTACT INITIALIZATION ASSIGNMENT|CONTACT ' // &
-      'INITIALIZATION DATA', 'The model is the same in all steps.')
+      'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS', 'The model is the same in all steps.')
     call table%cards_with(ENTRY_REJECTED, 'SUBMODEL', 'Write the displacements of the cut boundary themselves into a file ' // &
       'with *BOUNDARY that *INCLUDE reads, or let the routine DISP give them (*BOUNDARY, USER).')
     call table%cards_with(ENTRY_REJECTED, 'CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|' // &

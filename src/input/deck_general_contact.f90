@@ -8,7 +8,7 @@ module amontons_deck_general_contact
   use amontons_deck_structure, only: is_shell
   use amontons_model, only: model_type
   use amontons_element_kinds, only: is_two_sided
-  use amontons_surfaces, only: interaction_type, general_contact_type, shell_property_type
+  use amontons_surfaces, only: interaction_type, general_contact_type, shell_property_type, contact_initialization_type
   use amontons_text, only: is_one_of, name_key, parse_real, to_text, NUMBER_OK
   implicit none
   private
@@ -27,7 +27,11 @@ contains
     integer :: c, n, line
     if (.not. any([(is_card(reader, c, 'CONTACT'), c=1, reader%cards%n_cards)])) return
     allocate (rules%properties(0))
-    allocate (rules%included(2, 0), rules%excluded(2, 0), rules%assigned(3, 0), rules%roles(2, 0))
+    allocate (rules%included(2, 0), rules%excluded(2, 0), rules%assigned(3, 0), rules%roles(2, 0), rules%initialized(3, 0))
+    allocate (rules%initial(0))
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'CONTACTINITIALIZATIONDATA')) call read_initialization(reader, c, rules%initial)
+    end do
     default%name = DEFAULT_INTERACTION
     model%interactions = [model%interactions, default]
     rules%assigned = reshape([0, 0, size(model%interactions)], [3, 1])
@@ -45,6 +49,8 @@ contains
         call read_surface_pairs(reader, model, c, '*CONTACT EXCLUSIONS needs data lines: surface, surface.', rules%excluded)
       else if (is_card(reader, c, 'CONTACTPROPERTYASSIGNMENT')) then
         call read_assignments(reader, model, c, rules)
+      else if (is_card(reader, c, 'CONTACTINITIALIZATIONASSIGNMENT')) then
+        call read_initialized(reader, model, c, rules)
       else if (is_card(reader, c, 'CONTACTFORMULATION')) then
         call read_roles(reader, model, c, rules)
       else if (is_card(reader, c, 'SURFACEPROPERTYASSIGNMENT')) then
@@ -144,6 +150,70 @@ contains
     if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT PROPERTY ASSIGNMENT needs data lines: ' // &
       'surface, surface, interaction.')
   end subroutine read_assignments
+
+
+  !> CONTACT INITIALIZATION DATA: adds one.
+  subroutine read_initialization(reader, c, list)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(contact_initialization_type), allocatable, intent(inout) :: list(:)
+    type(contact_initialization_type) :: item
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    call open_card(reader, c, parameters, row)
+    item%name = parameter_text(parameters, 'NAME')
+    item%is_fit = has_parameter(parameters, 'INTERFERENCE FIT')
+    call read_distance('SEARCH ABOVE', item%above)
+    call read_distance('SEARCH BELOW', item%below)
+    if (item%is_fit .and. (has_parameter(parameters, 'SEARCH ABOVE') .or. has_parameter(parameters, 'SEARCH BELOW'))) call &
+      report_error(reader, reader%cards%cards(c)%line, 'With INTERFERENCE FIT nothing is moved: leave out SEARCH ABOVE and ' // &
+      'SEARCH BELOW.')
+    list = [list, item]
+
+  contains
+
+    !> A distance that a parameter gives; without it the value stays.
+    subroutine read_distance(name, value)
+      character(*), intent(in) :: name
+      real(DP), intent(inout) :: value             !< [length]
+      integer :: status
+      if (.not. has_parameter(parameters, name)) return
+      call parse_real(parameter_text(parameters, name), value, status)
+      if (status == NUMBER_OK .and. value >= 0.0_DP) return
+      call report_error(reader, reader%cards%cards(c)%line, name // ' must be a distance that is not negative.')
+    end subroutine read_distance
+
+  end subroutine read_initialization
+
+
+  !> CONTACT INITIALIZATION ASSIGNMENT: pairs of surfaces and their initialization.
+  subroutine read_initialized(reader, model, c, rules)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c
+    type(general_contact_type), intent(inout) :: rules
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    character(:), allocatable :: name
+    integer :: pair(2), found, k, n
+    logical :: is_ok
+    call open_card(reader, c, parameters, row)
+    n = 0
+    do while (next_row(reader%cards, row))
+      n = n + 1
+      call check_n_fields(reader, row, 3)
+      call read_surfaces(reader, model, row, pair, is_ok)
+      name = field_text(reader%cards, row, 3)
+      found = 0
+      do k = 1, size(rules%initial)
+        if (name_key(rules%initial(k)%name) == name_key(name)) found = k
+      end do
+      if (found == 0) call report_error(reader, row%line, 'There is no *CONTACT INITIALIZATION DATA, NAME=' // name // '.')
+      if (is_ok .and. found > 0) rules%initialized = reshape([rules%initialized, pair, found], [3, size(rules%initialized, 2) + 1])
+    end do
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT INITIALIZATION ASSIGNMENT needs data lines: ' // &
+      'surface, surface, initialization.')
+  end subroutine read_initialized
 
 
   !> CONTACT FORMULATION: pairs of surfaces and the role of the first one.

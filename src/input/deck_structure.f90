@@ -524,7 +524,7 @@ contains
         equation%dof = equation%dof(order)
         equation%coefficient = equation%coefficient(order)
         if (count(is_slave(equation%node)) == size(equation%node) - 1 .and. size(order) > 2) is_bound(equation%node(2)) = &
-          any(model%structure%held_from(:3, min(equation%node(1), model%structure%n_deck_nodes)) > 0)
+          is_clamped_across(model, equation%node)
       end associate
     end do
     do i = 1, size(model%nonlinear_mpcs)
@@ -532,6 +532,18 @@ contains
     end do
     is_bound = is_bound .and. is_slave
   end subroutine order_slave_terms
+
+
+  !> Whether supports hold the middle node of a shell or beam across it, so that its faces cannot move together along their normal.
+  pure logical function is_clamped_across(model, nodes)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: nodes(:)              !< the middle, then nodes of the two faces
+    real(DP), parameter :: MIN_FREE_ACROSS = 1.0e-6_DP  !< of the normal [-]
+    real(DP) :: normal(3)
+    normal = model%mesh%coordinates(:, nodes(2)) - model%mesh%coordinates(:, nodes(3))
+    is_clamped_across = norm2(merge(normal, 0.0_DP, model%structure%held_from(:3, min(nodes(1), model%structure%n_deck_nodes)) &
+      == 0)) < MIN_FREE_ACROSS * norm2(normal)
+  end function is_clamped_across
 
 
   !> NODAL THICKNESS: node or set, thickness, of beams the second too. Middle nodes that the reader adds have the mean of the ends.

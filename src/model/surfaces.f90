@@ -5,8 +5,9 @@ module amontons_surfaces
   use amontons_analytic_profiles, only: analytic_profile_type
   implicit none
   private
-  public :: surface_type, interaction_type, contact_pair_type, general_contact_type, shell_property_type, is_compliant, &
-    is_self_contact, pair_interactions
+  public :: surface_type, interaction_type, contact_pair_type, general_contact_type, shell_property_type, &
+    contact_initialization_type, is_compliant, &
+    is_self_contact, swap_advice, pair_interactions
   public :: BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, BEHAVIOR_USER, ROUGH_FRICTION, &
     NO_SHEAR_LIMIT
 
@@ -64,7 +65,9 @@ module amontons_surfaces
     logical :: has_point_contact = .false.           !< of a mortar pair: springs at integration points, as CalculiX
     logical :: has_adjust = .false.             !< ADJUST given: slave nodes within the distance are moved onto the master
     real(DP) :: adjust = 0                      !< that distance [length]
+    real(DP) :: adjust_depth = huge(1.0_DP)     !< nodes deeper in the master stay where they are [length]
     integer, allocatable :: adjust_nodes(:)     !< or the nodes that are moved, wherever they are
+    logical :: is_shrink_fit = .false.          !< of general contact: its initial overclosures go to zero over the first step
     logical :: has_clearance = .false.          !< CLEARANCE given: it replaces the initial gap of the mesh
     real(DP) :: clearance = 0                   !< the initial gap [length]
     character(:), allocatable :: name           !< 'slave / master', for messages
@@ -83,12 +86,22 @@ module amontons_surfaces
     real(DP) :: factor = 1                      !< of the thickness [-]
   end type shell_property_type
 
+  !> CONTACT INITIALIZATION DATA: what becomes of overclosures at the start of general contact.
+  type :: contact_initialization_type
+    character(:), allocatable :: name
+    logical :: is_fit = .false.                 !< they go to zero over the first step; else slave nodes are moved, without stress
+    real(DP) :: above = 0                       !< so are those within this distance before the master [length]
+    real(DP) :: below = huge(1.0_DP)            !< not those that are deeper in it [length]
+  end type contact_initialization_type
+
   !> General contact: which faces of the exterior may touch, and by which interaction. The surface 0 is the whole exterior. Of
   !! several assignments that hold for two faces the last one counts.
   type :: general_contact_type
     integer, allocatable :: included(:, :)      !< (2, :) surfaces that may touch
     integer, allocatable :: excluded(:, :)      !< (2, :) surfaces that do not
     integer, allocatable :: assigned(:, :)      !< (3, :) two surfaces and the index of their interaction
+    integer, allocatable :: initialized(:, :)   !< (3, :) two surfaces and the index of their initialization
+    type(contact_initialization_type), allocatable :: initial(:)
     integer, allocatable :: roles(:, :)         !< (2, :) slave and master surface, where the deck says so
     type(shell_property_type), allocatable :: properties(:)   !< in the order of the deck
     logical :: is_mortar = .true.               !< its pairs are surface to surface
@@ -110,6 +123,15 @@ contains
     type(contact_pair_type), intent(in) :: pair
     is_self_contact = pair%slave == pair%master
   end function is_self_contact
+
+
+  !> What exchanges slave and master of a pair, as the start of a sentence.
+  pure function swap_advice(pair) result(text)
+    type(contact_pair_type), intent(in) :: pair
+    character(:), allocatable :: text
+    text = 'Swap slave and master'
+    if (pair%is_general) text = text // ' by *CONTACT FORMULATION, TYPE=MASTER SLAVE ROLES'
+  end function swap_advice
 
 
   !> The laws of all pairs. Over the faces of a mortar pair LINEAR is exactly linear: K h in contact, 0 outside.

@@ -8,12 +8,14 @@ module amontons_model_check_contact
   use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_loads, only: amplitude_type, prescribed_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_surfaces, only: is_compliant, is_self_contact
+  use amontons_surfaces, only: is_compliant, is_self_contact, swap_advice
   use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
   use amontons_contact_pairs, only: contact_type, SEARCH_RADIUS_RATIO
   use amontons_contact_initialization, only: TOL_INITIAL_CONTACT
+  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns
+  use amontons_exterior_membership, only: find_tie_lines
   use amontons_model_check_bodies, only: report_error, report_warning, label_list, counted_noun
   implicit none
   private
@@ -59,7 +61,7 @@ contains
       call check_direction(model, p, statistics(p), report)
       call check_depth(model, contact, slaves, p, statistics(p), report)
     end do
-    call check_held(model, slaves(slaves_facing_master(contact, slaves)), report)
+    call check_held(model, contact, slaves(slaves_facing_master(contact, slaves)), report)
   end subroutine check_contact
 
 
@@ -356,23 +358,30 @@ contains
   end subroutine check_self_contact_laws
 
 
-  !> Slave nodes with a support or an equation along the contact normal: contact cannot act on them.
-  subroutine check_held(model, slaves, report)
+  !> Slave nodes with a support or an equation along the contact normal: contact cannot act on them. That is as it should be where
+  !! supports hold the master, too, and at nodes that a tie bonds to it; in general contact at tied nodes altogether, because their
+  !! tie's master is at their place and has the contact of both.
+  subroutine check_held(model, contact, slaves, report)
     type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     type(diagnostic_list_type), intent(inout) :: report
     type(integer_list_type), allocatable :: found(:)
-    logical, allocatable :: is_free(:, :), was_reported(:)
-    integer :: i, s, p
+    logical, allocatable :: is_free(:, :), was_reported(:), is_movable(:, :)
+    integer :: i, s, p, tie_line(model%mesh%n_nodes)
+    tie_line = find_tie_lines(model)
     allocate (was_reported(size(model%pairs)), source=.false.)
     do i = 1, size(model%steps)
       call find_free_unknowns(model, i, is_free)
+      is_movable = movable_directions(model, i)
       if (allocated(found)) deallocate (found)
       allocate (found(size(model%pairs)))
       do s = 1, size(slaves)
         if (slaves(s)%facet == 0) cycle
         if (is_compliant(model%interactions(model%pairs(slaves(s)%pair)%interaction))) cycle
         if (.not. is_held_along(slaves(s), is_free(:, slaves(s)%node))) cycle
+        if (is_bonded(model, slaves(s)%pair, tie_line(slaves(s)%node))) cycle
+        if (.not. can_give_way(contact, slaves(s), is_movable)) cycle
         call found(slaves(s)%pair)%add(model%mesh%node_label(slaves(s)%node))
       end do
       do p = 1, size(found)
@@ -380,10 +389,46 @@ contains
         was_reported(p) = .true.
         call report_warning(report, 'In step ' // to_text(i) // ' the displacement along the contact normal is held by a ' // &
           'support or an equation at ' // plural(found(p)%n, 'slave node') // ' of ' // pair_name(model, p) // ' (' // &
-          label_list(found(p)%trimmed()) // '): the contact cannot push there. Swap slave and master.')
+          label_list(found(p)%trimmed()) // '): the contact cannot push there. ' // swap_advice(model%pairs(p)) // '.')
       end do
     end do
   end subroutine check_held
+
+
+  !> Whether the tie that holds a slave node bonds it to the master of its pair, or the pair is one of general contact.
+  pure logical function is_bonded(model, p, line)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: p                       !< pair
+    integer, intent(in) :: line                    !< of the tie; 0: none
+    integer :: i
+    is_bonded = line > 0 .and. model%pairs(p)%is_general
+    if (line == 0 .or. is_bonded) return
+    is_bonded = any([(model%ties(i)%line == line .and. model%ties(i)%master == model%pairs(p)%master, i=1, size(model%ties))])
+  end function is_bonded
+
+
+  !> The displacements of the nodes that supports do not prescribe, by themselves or as those of their rigid body.
+  function movable_directions(model, step) result(is_movable)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< of the model, from 1
+    logical :: is_movable(3, model%mesh%n_nodes)
+    type(rigid_bodies_type) :: bodies
+    call collect_rigid_bodies(model, bodies)
+    is_movable = free_unknowns(model, step) .and. .not. spread(bodies%is_driven, 1, 3)
+  end function movable_directions
+
+
+  !> Whether a node of the master's facet, of an analytic master one that carries it, can move along the normal.
+  pure logical function can_give_way(contact, slave, is_movable) result(is_so)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slave    !< with a facet
+    logical, intent(in) :: is_movable(:, :)        !< (3, n_nodes) of `movable_directions`
+    integer :: i
+    associate (facets => contact%facets(slave%pair))
+      is_so = any([(norm2(merge(slave%normal, 0.0_DP, is_movable(:, facets%nodes(i)))) >= MIN_FREE_PART, &
+        i=facets%first(slave%facet), facets%first(slave%facet + 1) - 1)])
+    end associate
+  end function can_give_way
 
 
   !> Whether a slave node cannot move along its contact normal.

@@ -14,7 +14,7 @@ module amontons_face_intersection_points
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, MAX_FACE_NODES, N_CIRCLE_SECTORS
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet
+  use amontons_facets, only: is_absent_facet, facets_type, facet_nodes, facet_tangents, is_line_facet
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE, MAX_SEGMENT_OVERLAP, MIN_SEGMENT_AREA
   use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, MAX_POLYGON_CORNERS
@@ -76,6 +76,7 @@ contains
     allocate (points(64), cuts(16))
     n = 0
     do f = 1, slave%n
+      if (is_absent_facet(slave, f)) cycle
       call build_face_geometry(slave, f, x, depth(f), geometry)
       call find_near_facets(search, geometry%origin, list, n_list)
       call sort_by_element_face(master, list(:n_list))

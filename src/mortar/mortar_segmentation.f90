@@ -8,7 +8,7 @@ module amontons_mortar_segmentation
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: facet_kind, facet_kind_type, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE3, &
     MAX_FACE_NODES
-  use amontons_facets, only: facets_type, facet_nodes, n_facet_corners, is_line_facet, is_hidden_behind, is_unseen
+  use amontons_facets, only: facets_type, facet_nodes, n_facet_corners, is_line_facet, is_hidden_behind, is_unseen, is_absent_facet
   use amontons_facet_search, only: facet_search_type, find_near_facets
   use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, set_polygon_quadrature, &
     MAX_POLYGON_CORNERS, MAX_CUT_POINTS
@@ -105,6 +105,7 @@ contains
     if (.not. allocated(segmentation%segments)) allocate (segmentation%segments(8))
     call build_projection_plane(slave, f, x, segmentation%plane)
     segmentation%plane%depth = depth
+    if (is_absent_facet(slave, f)) return
     call flatten_facet(slave, f, x, segmentation%plane, own)
     call find_near_facets(search, segmentation%plane%origin, list, n_list)
     do k = 1, n_list

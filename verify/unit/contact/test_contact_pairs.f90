@@ -1,8 +1,8 @@
-!> Unit test of contact_pairs: slave nodes of a pair, rows, slip from the origin, gap, settings of a step, refusals.
+!> Unit test of contact_pairs: slave nodes of a pair, rows, slip from the origin, gap, refusals.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_contact_pairs
   use amontons_contact_constraint_rows, only: contact_row_type
-  use amontons_contact_pairs, only: contact_type, create_contact, begin_contact_step, current_row, origin_row, &
+  use amontons_contact_pairs, only: contact_type, create_contact, current_row, origin_row, &
     contact_slip_vector, origin_offset_derivative, search_lost_slave, update_gap, set_stick_origin, &
     is_stuck_to_mortar_row
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
@@ -25,7 +25,6 @@ program test_contact_pairs
   call check_rows()
   call check_slip()
   call check_lost()
-  call check_step()
   call check_dimensions()
   call suite%finish()
 
@@ -122,29 +121,6 @@ contains
       call suite%that('not of a pair that was removed', slave%facet == 0)
     end associate
   end subroutine check_lost
-
-
-  !> Laws, removed pairs and interferences of a step; without them those of the model.
-  subroutine check_step()
-    type(step_type) :: step
-    call start(0.05_DP)
-    step = model%steps(1)
-    step%interactions = model%interactions
-    step%interactions(1)%friction = 0.75_DP
-    step%is_removed = [.true.]
-    step%interference = [0.02_DP]
-    step%is_shrink_fit = [.true.]
-    step%period = 4
-    call begin_contact_step(system%contact, model, step)
-    associate (c => system%contact)
-      call suite%near('law, interference, period', abs(c%laws(1)%friction - 0.75_DP) + abs(c%interference(1) - 0.02_DP) + &
-        abs(c%period - 4), 0.0_DP, 0.0_DP)
-      call suite%that('removed, shrink fit', c%is_removed(1) .and. c%is_shrink_fit(1))
-      call begin_contact_step(c, model, model%steps(1))
-      call suite%near('those of the model', abs(c%laws(1)%friction - 0.3_DP) + abs(c%interference(1)), 0.0_DP, 0.0_DP)
-      call suite%that('not removed', .not. (c%is_removed(1) .or. c%is_shrink_fit(1)))
-    end associate
-  end subroutine check_step
 
 
   !> A master whose face is collapsed is refused.

@@ -7,6 +7,8 @@ program test_general_contact
   use amontons_text, only: to_text
   use amontons_model, only: model_type, job_options_type
   use amontons_general_contact, only: general_pairs_type, find_general_pairs
+  use amontons_loads, only: equation_type
+  use amontons_tie_generation, only: generate_ties
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
@@ -108,6 +110,18 @@ contains
     call suite%that('excluded', size(found%pairs) == 0)
     call find(blocks // '*TIE, NAME=T;UP_S, LOW_S;' // GENERAL // LINEAR_STEP)
     call suite%that('tied', size(found%pairs) == 0)
+    call find(two_blocks(0.5_DP, 100.0_DP, 100.0_DP) // '*TIE, NAME=T, POSITION TOLERANCE=0.6;UP_S, LOW_S;' // GENERAL // &
+      LINEAR_STEP)
+    call suite%that('tied across a gap', size(found%pairs) == 0)
+    call find(blocks // '*CONTACT INITIALIZATION DATA, NAME=I, SEARCH ABOVE=0.5, SEARCH BELOW=0.25;*CONTACT INITIALIZATION DATA, ' &
+      // 'NAME=F, INTERFERENCE FIT;' // GENERAL // '*CONTACT INITIALIZATION ASSIGNMENT;,,F;UP_S,LOW_S,I;' // LINEAR_STEP)
+    associate (pair => found%pairs(1))
+      call suite%that('moved', pair%has_adjust .and. .not. pair%is_shrink_fit)
+      call suite%near('within these distances', abs(pair%adjust - 0.5_DP) + abs(pair%adjust_depth - 0.25_DP), 0.0_DP, 0.0_DP)
+    end associate
+    call find(blocks // '*CONTACT INITIALIZATION DATA, NAME=F, INTERFERENCE FIT;' // GENERAL // &
+      '*CONTACT INITIALIZATION ASSIGNMENT;,,F;' // LINEAR_STEP)
+    call suite%that('a fit', found%pairs(1)%is_shrink_fit .and. .not. found%pairs(1)%has_adjust)
     call find(blocks // '*CONTACT PAIR, INTERACTION=A;UP_S, LOW_S;' // GENERAL // LINEAR_STEP)
     call suite%that('given as a pair', size(found%pairs) == 0)
     call find(blocks // GENERAL // '*CONTACT PROPERTY ASSIGNMENT;,,A;LOW_S,UP_S,B;' // LINEAR_STEP)
@@ -185,6 +199,8 @@ contains
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     type(job_options_type) :: options
+    type(equation_type), allocatable :: equations(:)
+    real(DP), allocatable :: coordinates(:, :)
     integer :: i
     call read_deck_text(deck_lines(cards), options, model, diagnostics, error)
     call suite%that('deck', .not. allocated(error))
@@ -194,6 +210,8 @@ contains
       end do
       return
     end if
+    if (allocated(model%ties)) call generate_ties(model, equations, coordinates, error)
+    if (allocated(equations)) model%equations = [model%equations, equations]
     call find_general_pairs(model, found, text)
   end subroutine find
 

@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_deck_general_contact
   use amontons_deck, only: read_deck_text
+  use amontons_kinds, only: DP
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type
   use amontons_surfaces, only: BEHAVIOR_HARD
@@ -15,6 +16,7 @@ program test_deck_general_contact
     '*SURFACE INTERACTION, NAME=DRY;*FRICTION;.2;'
   character(*), parameter :: STEP_PART = '*STEP;*STATIC;*END STEP;'
   character(*), parameter :: GENERAL = '*CONTACT;*CONTACT INCLUSIONS, ALL EXTERIOR;'
+  character(*), parameter :: INITIAL = '*CONTACT INITIALIZATION ASSIGNMENT;'
   character(*), parameter :: PROPERTY = '*CONTACT PROPERTY ASSIGNMENT;'
   type(suite_type) :: suite
   type(model_type) :: model
@@ -45,7 +47,16 @@ contains
       call suite%that('pairs, one alone, one with all', all(rules%included == reshape([2, 1, 2, 2, 0, 1], [2, 3])))
       call suite%that('excluded', all(rules%excluded == reshape([1, 2], [2, 1])))
       call suite%that('assigned', all(rules%assigned(:, 2:) == reshape([0, 0, 1, 2, 1, 1], [3, 2])))
+      call suite%that('no initialization', size(rules%initialized) == 0)
       call suite%that('roles: slave, master', all(rules%roles == reshape([2, 1, 1, 2], [2, 2])))
+    end associate
+    call expect_read('*CONTACT INITIALIZATION DATA, NAME=Fit, INTERFERENCE FIT;*CONTACT INITIALIZATION DATA, NAME=MOVE, ' // &
+      'SEARCH ABOVE=0.5, SEARCH BELOW=0.25;*CONTACT INITIALIZATION DATA, NAME=ALL;' // GENERAL // INITIAL // ',,ALL;UP,LOW,FIT;')
+    associate (rules => model%general_contact)
+      call suite%that('initialized', all(rules%initialized == reshape([0, 0, 3, 2, 1, 1], [3, 2])))
+      call suite%that('a fit', all(rules%initial%is_fit .eqv. [.true., .false., .false.]))
+      call suite%near('moved from above', sum(abs(rules%initial(2:)%above - [0.5_DP, 0.0_DP])), 0.0_DP, 0.0_DP)
+      call suite%that('and below', rules%initial(2)%below < 0.26_DP .and. rules%initial(3)%below >= huge(1.0_DP))
     end associate
   end subroutine check_rules
 
@@ -65,6 +76,11 @@ contains
     call expect_message(GENERAL // '*CONTACT FORMULATION, TYPE=EDGE TO EDGE;', 'write MASTER SLAVE ROLES')
     call expect_message(GENERAL // '*SURFACE PROPERTY ASSIGNMENT, PROPERTY=THICKNESS;UP, 0.5;', 'have no thickness')
     call expect_message(GENERAL // '*SURFACE PROPERTY ASSIGNMENT, PROPERTY=OFFSET FRACTION;UP, 0.5;', 'lie where the mesh is')
+    call expect_message(GENERAL // INITIAL, 'needs data lines: surface, surface, initialization')
+    call expect_message(GENERAL // INITIAL // ',,FIT;', 'There is no *CONTACT INITIALIZATION DATA, NAME=FIT')
+    call expect_message('*CONTACT INITIALIZATION DATA, NAME=A, SEARCH ABOVE=-1.;' // GENERAL, 'SEARCH ABOVE must be a distance')
+    call expect_message('*CONTACT INITIALIZATION DATA, NAME=A, INTERFERENCE FIT, SEARCH BELOW=1.;' // GENERAL, 'nothing is moved')
+    call expect_message('*CONTACT INITIALIZATION DATA, NAME=A, INITIAL CLEARANCE=1.;' // GENERAL, 'with a *CLEARANCE')
     call expect_message('*CONTACT, REACH=-1.;*CONTACT INCLUSIONS, ALL EXTERIOR;', 'REACH must be a distance')
     call expect_message('*CONTACT, TYPE=MORTAR;*CONTACT INCLUSIONS, ALL EXTERIOR;', 'MORTAR')
     call expect_message('*CONTACT, OP=NEW;*CONTACT INCLUSIONS, ALL EXTERIOR;', 'holds for all steps')

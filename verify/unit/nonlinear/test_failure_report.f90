@@ -8,7 +8,8 @@ program test_failure_report
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
   use amontons_failure, only: failure_type, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, FAILURE_CONSTRAINTS, &
-    FAILURE_FREE_FLYING, FAILURE_LEFT_MASTER, FAILURE_CYCLE, FAILURE_FLIP, FAILURE_PASSED_THROUGH, FAILURE_DEEP, &
+    FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, &
+    FAILURE_LEFT_MASTER, FAILURE_CYCLE, FAILURE_FLIP, FAILURE_PASSED_THROUGH, FAILURE_DEEP, &
     FAILURE_LIMIT_POINT, FAILURE_GROWING, FAILURE_SLOW
   use amontons_iteration_records, only: REPORT_LINE_LENGTH
   use amontons_slave_node_overrides, only: NODE_OVERRIDE_EXTENDED
@@ -62,6 +63,11 @@ contains
     call expect(suite, 'far away, but the supports hold it', OUTCOME_UNSUPPORTED, FAILURE_LIMIT_POINT, [integer ::])
     model%steps(1)%prescribed = model%steps(1)%prescribed(:27)
     call expect(suite, 'far away, and nothing holds it', OUTCOME_UNSUPPORTED, FAILURE_FREE_FLYING, [107])
+    state%new%slaves%status = STATUS_OPEN
+    call expect(suite, 'a singular tangent, all open, and nothing holds it', OUTCOME_LINEAR_SOLVER, FAILURE_FREE_OPEN, [integer ::])
+    call two_blocks(model, 0.2_DP, 0.0_DP, [0.0_DP, 0.0_DP, 0.0_DP])
+    call expect(suite, 'a singular tangent, all open, but clamped', OUTCOME_LINEAR_SOLVER, FAILURE_SINGULAR, [integer ::])
+    state%new%slaves%status = STATUS_STICK
     call two_blocks(model, 0.2_DP, 0.0_DP, [0.0_DP, 0.0_DP, 0.0_DP])
   end subroutine check_outcomes
 
