@@ -5,22 +5,19 @@
 !! deep: a coarse slave reaches through several fine ones.
 module amontons_body_thickness
   use amontons_kinds, only: DP
-  use amontons_tensor, only: cross_product
   use amontons_mesh, only: mesh_type
   use amontons_exterior_surface, only: exterior_type, is_thin
   use amontons_facets, only: facets_type
+  use amontons_facet_crossing, only: distance_along
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
-  use amontons_surface_projection, only: MIN_OPPOSED_COSINE
   implicit none
   private
   public :: measure_body_thickness
 
-  real(DP), parameter :: TOL_INSIDE = 1.0e-6_DP    !< a ray on the edge of a face hits it; over the square of the edge [-]
-
 contains
 
-  !> The thickness below each face in the reference configuration: the way from its centre along the inward normal to the next face
-  !! of the same body that opposes it. Of a thin face (`is_thin`) it is its depth; huge where there is no face within the reach.
+  !> The thickness below each face in the reference configuration: the way from its centre along the inward normal to the face of
+  !! the same body where it leaves it. Of a thin face (`is_thin`) it is its depth; huge where there is no face within the reach.
   !! Cost: for each face a search among its neighbours for each mean edge that fits into the thickness.
   subroutine measure_body_thickness(mesh, exterior, reach, thickness)
     type(mesh_type), intent(in) :: mesh
@@ -47,7 +44,7 @@ contains
       way = 0.0_DP                                 ! along the ray; faces that it hits up to a step farther are found
       do while (way <= min(reach, extent(exterior%body(f))) .and. way + step < thickness(f))
         call find_near_facets(search, exterior%centre(:, f) - way * exterior%normal(:, f), list, n)
-        call find_opposed_face(mesh, exterior, f, list(:n), thickness(f))
+        call find_far_side(mesh, exterior, f, list(:n), thickness(f))
         way = way + step
       end do
     end do
@@ -72,8 +69,8 @@ contains
   end function body_extents
 
 
-  !> Lowers the thickness below a face to the way to the nearest of some faces that oppose it.
-  pure subroutine find_opposed_face(mesh, exterior, f, list, thickness)
+  !> Lowers the thickness below a face to the way to the nearest of some faces on the far side.
+  pure subroutine find_far_side(mesh, exterior, f, list, thickness)
     type(mesh_type), intent(in) :: mesh
     type(exterior_type), intent(in) :: exterior
     integer, intent(in) :: f                       !< face
@@ -83,32 +80,9 @@ contains
     do k = 1, size(list)
       g = list(k)
       if (g == f .or. exterior%body(g) /= exterior%body(f)) cycle
-      if (dot_product(exterior%normal(:, f), exterior%normal(:, g)) > -MIN_OPPOSED_COSINE) cycle
       thickness = min(thickness, distance_along(exterior%centre(:, f), -exterior%normal(:, f), exterior%normal(:, g), &
         mesh%coordinates(:, exterior%nodes(exterior%first(g):exterior%first(g) + exterior%n_corners(g) - 1))))
     end do
-  end subroutine find_opposed_face
-
-
-  !> The way from a point along a ray to a face; huge if the ray does not hit it [length].
-  pure real(DP) function distance_along(point, ray, normal, corner) result(distance)
-    real(DP), intent(in) :: point(3), ray(3)       !< [length]; a unit vector
-    real(DP), intent(in) :: normal(3)              !< of the face, not perpendicular to the ray
-    real(DP), intent(in) :: corner(:, :)           !< (3, 2 to 4) [length]
-    real(DP) :: at(3), along(3)
-    integer :: k, n
-    n = size(corner, 2)
-    distance = dot_product(sum(corner, dim=2) / real(n, DP) - point, normal) / dot_product(ray, normal)
-    at = point + distance * ray
-    if (distance <= 0.0_DP) distance = huge(1.0_DP)
-    do k = 1, n
-      along = corner(:, modulo(k, n) + 1) - corner(:, k)
-      if (n == 2) then                             ! from each end: not before it
-        if (dot_product(along, at - corner(:, k)) < -TOL_INSIDE * dot_product(along, along)) distance = huge(1.0_DP)
-      else if (dot_product(cross_product(along, at - corner(:, k)), normal) < -TOL_INSIDE * dot_product(along, along)) then
-        distance = huge(1.0_DP)
-      end if
-    end do
-  end function distance_along
+  end subroutine find_far_side
 
 end module amontons_body_thickness

@@ -1,11 +1,14 @@
-!> Segments that pass through a facet: its mean plane, and the point where a segment crosses it.
+!> Segments and rays that pass through a facet: its mean plane, and the point where they cross it.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_facet_crossing
   use amontons_kinds, only: DP
   use amontons_tensor, only: cross_product
   implicit none
   private
-  public :: plane_normal, is_inside_facet, cross_facet
+  public :: plane_normal, is_inside_facet, cross_facet, distance_along
+
+  real(DP), parameter :: TOL_INSIDE = 1.0e-6_DP    !< a ray on the edge of a face hits it; over the square of the edge [-]
+  real(DP), parameter :: MIN_LEAVING_COSINE = 1.0e-3_DP    !< of ray and normal where a ray leaves a body [-]
 
 contains
 
@@ -64,5 +67,29 @@ contains
     is_crossed = is_inside_facet(point, corner, normal, size(corner, 2) == 2)
     if (.not. is_crossed) point = centre
   end subroutine cross_facet
+
+
+  !> The way from a point inside a body along a ray to a face; huge if the ray does not leave the body there [length].
+  pure real(DP) function distance_along(point, ray, normal, corner) result(distance)
+    real(DP), intent(in) :: point(3), ray(3)       !< [length]; a unit vector
+    real(DP), intent(in) :: normal(3)              !< of the face, outward
+    real(DP), intent(in) :: corner(:, :)           !< (3, 2 to 4) [length]
+    real(DP) :: at(3), along(3)
+    integer :: k, n
+    distance = huge(1.0_DP)
+    if (dot_product(ray, normal) < MIN_LEAVING_COSINE) return
+    n = size(corner, 2)
+    distance = dot_product(sum(corner, dim=2) / real(n, DP) - point, normal) / dot_product(ray, normal)
+    at = point + distance * ray
+    if (distance <= 0.0_DP) distance = huge(1.0_DP)
+    do k = 1, n
+      along = corner(:, modulo(k, n) + 1) - corner(:, k)
+      if (n == 2) then                             ! from each end: not before it
+        if (dot_product(along, at - corner(:, k)) < -TOL_INSIDE * dot_product(along, along)) distance = huge(1.0_DP)
+      else if (dot_product(cross_product(along, at - corner(:, k)), normal) < -TOL_INSIDE * dot_product(along, along)) then
+        distance = huge(1.0_DP)
+      end if
+    end do
+  end function distance_along
 
 end module amontons_facet_crossing

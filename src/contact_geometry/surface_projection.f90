@@ -14,8 +14,9 @@ module amontons_surface_projection
   use amontons_tensor, only: cross_product, skew_matrix, invert
   use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, is_line_facet, is_hidden_behind, is_unseen, EDGE_FREE, &
-    EDGE_CONVEX
+  use amontons_facets, only: facets_type, facet_nodes, facet_tangents, n_facet_corners, is_line_facet, is_hidden_behind, &
+    is_unseen, EDGE_FREE, EDGE_CONVEX
+  use amontons_facet_crossing, only: distance_along
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_analytic_master, only: projection_type, gap_derivatives_type, PROJECTION_INSIDE, PROJECTION_OUTSIDE, &
     PROJECTION_FAILED, &
@@ -266,19 +267,19 @@ contains
   end function box_distance
 
 
-  !> The thickness of the body below each facet, where the surface has facets on its other side too, as that of a sheet; huge where
-  !! a search with this reach finds none. Cost: one search and one projection on each facet behind for a facet.
+  !> The thickness of the body below each facet, where the surface has facets on its other side too, as that of a sheet or a wedge:
+  !! the way from its middle along the inward normal to the facet where it leaves the body, as gaps are measured; huge where a
+  !! search with this reach finds none. Cost: one search for a facet.
   subroutine measure_thickness(facets, x, reach, thickness)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) coordinates [length]
     real(DP), intent(in) :: reach                !< of the search [length]
     real(DP), intent(out) :: thickness(:)        !< (n) [length]
     type(facet_search_type) :: search
-    type(projection_type) :: candidate
     type(surface_point_type) :: middle(facets%n)
     type(facet_geometry_type) :: geometry
     integer, allocatable :: list(:)
-    integer :: f, i, n
+    integer :: f, i, n, n_nodes, nodes(MAX_FACE_NODES), n_corners
     thickness = huge(1.0_DP)
     if (allocated(facets%profile)) return
     do f = 1, facets%n
@@ -289,10 +290,11 @@ contains
     do f = 1, facets%n
       call find_near_facets(search, middle(f)%x, list, n)
       do i = 1, n
-        if (dot_product(middle(list(i))%normal, middle(f)%normal) > -MIN_OPPOSED_COSINE) cycle
-        candidate = project_on_facet(facets, x, middle(f)%x, list(i))
-        if (candidate%status /= PROJECTION_INSIDE .or. candidate%gap >= 0.0_DP) cycle
-        if (is_projection_inside(facets, candidate)) thickness(f) = min(thickness(f), -candidate%gap)
+        if (list(i) == f) cycle
+        call facet_nodes(facets, list(i), n_nodes, nodes)
+        n_corners = n_facet_corners(facets%kind(list(i)))
+        thickness(f) = min(thickness(f), distance_along(middle(f)%x, -middle(f)%normal, middle(list(i))%normal, &
+          x(:, nodes(:n_corners))))
       end do
     end do
   end subroutine measure_thickness

@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_facet_crossing
   use amontons_kinds, only: DP
-  use amontons_facet_crossing, only: plane_normal, is_inside_facet, cross_facet
+  use amontons_facet_crossing, only: plane_normal, is_inside_facet, cross_facet, distance_along
   use check, only: suite_type
   implicit none
   real(DP), parameter :: TINY_LENGTH = 1.0e-14_DP  !< rounding of lengths of about 1
@@ -22,9 +22,26 @@ program test_facet_crossing
   call cross('beside it', SQUARE, [1.5_DP, 0.5_DP, 1.0_DP], [1.5_DP, 0.5_DP, 5.0_DP])
   call cross('through a line', LINE, [1.0_DP, -1.0_DP, 0.0_DP], [2.0_DP, 1.0_DP, 0.0_DP], [1.5_DP, 0.0_DP, 0.0_DP])
   call cross('beside a line', LINE, [2.0_DP, -1.0_DP, 0.0_DP], [3.0_DP, 1.0_DP, 0.0_DP])
+  call check_rays()
   call suite%finish()
 
 contains
+
+  !> The way of a ray to a face where it leaves a body; huge before a face that looks at it, beside it and along it.
+  subroutine check_rays()
+    real(DP), parameter :: DOWN(3) = -UP, SLANTED(3) = [0.6_DP, 0.0_DP, 0.8_DP], ALONG(3) = [1.0_DP, 0.0_DP, 0.0_DP]
+    real(DP), parameter :: BELOW(3) = [0.1_DP, 0.5_DP, 1.2_DP], FROM(3) = [1.0_DP, 1.5_DP, 0.0_DP]
+    real(DP), parameter :: OUT(3) = [0.0_DP, -1.0_DP, 0.0_DP]
+    call suite%near('a ray leaves', distance_along(BELOW, UP, UP, SQUARE), 0.8_DP, TINY_LENGTH)
+    call suite%near('a slanted one', distance_along(BELOW, SLANTED, UP, SQUARE), 1.0_DP, TINY_LENGTH)
+    call suite%near('it leaves a body in the plane', distance_along(FROM, OUT, OUT, LINE), 1.5_DP, TINY_LENGTH)
+    call suite%near('at an edge', distance_along([1.0_DP, 0.5_DP, 0.0_DP], UP, UP, SQUARE), 2.0_DP, TINY_LENGTH)
+    call suite%that('the face looks at the ray', distance_along(BELOW, UP, DOWN, SQUARE) >= huge(1.0_DP))
+    call suite%that('the face is behind', distance_along([0.1_DP, 0.5_DP, 2.2_DP], UP, UP, SQUARE) >= huge(1.0_DP))
+    call suite%that('beside the face', distance_along([1.1_DP, 0.5_DP, 1.2_DP], UP, UP, SQUARE) >= huge(1.0_DP))
+    call suite%that('along the face', distance_along(BELOW, ALONG, UP, SQUARE) >= huge(1.0_DP))
+  end subroutine check_rays
+
 
   !> A segment crosses a face at a point; without one it does not.
   subroutine cross(title, corner, a, b, expected)

@@ -34,6 +34,7 @@ program test_surface_projection
   call check_far(suite)
   call check_faceted(suite)
   call check_thickness(suite)
+  call check_hook_thickness(suite)
   call suite%finish()
 
 contains
@@ -92,6 +93,33 @@ contains
     call measure_thickness(facets, mesh%coordinates, 0.5_DP, thickness(:2))
     call suite%that('one side: none', all(thickness(:2) >= huge(1.0_DP)))
   end subroutine check_thickness
+
+
+  !> The head of a hook: what lies behind its steep back flank is the front flank, and below a part of the top the back flank, whose
+  !! normals oppose by cosines of 0.3 and 0.2. Expected: the rays from their middles meet the lines of those sides.
+  subroutine check_hook_thickness(suite)
+    type(suite_type), intent(inout) :: suite
+    real(DP), parameter :: LINE(2, 7) = reshape([0.0_DP, 0.0_DP, 0.2_DP, -1.0_DP, 0.8_DP, -1.0_DP, 3.0_DP, 0.3_DP, 3.0_DP, 1.2_DP, &
+      0.2_DP, 1.2_DP, 0.0_DP, 1.2_DP], [2, 7])
+    type(mesh_type) :: mesh
+    type(facets_type) :: facets
+    type(error_type), allocatable :: error
+    integer, allocatable :: element(:), face(:)
+    real(DP) :: coordinates(3, 14), thickness(7), t
+    integer :: corners(4, 7), k
+    do k = 1, 7
+      coordinates(:, k) = [LINE(:, k), 0.0_DP]
+      coordinates(:, 7 + k) = [LINE(:, k), 1.0_DP]
+      corners(:, k) = [k, mod(k, 7) + 1, mod(k, 7) + 8, k + 7]
+    end do
+    call mesh_of_facets(FACET_QUAD4, coordinates, corners, mesh, element, face)
+    call build_facets(mesh, element, face, facets, error, is_faceted=.true.)
+    call measure_thickness(facets, mesh%coordinates, 9.0_DP, thickness)
+    t = 0.64_DP / 0.86_DP                        ! (0.1, -0.5) + s (1, 0.2) = (0.8, -1) + t (2.2, 1.3)
+    call suite%near('behind the back flank', thickness(1), (0.7_DP + 2.2_DP * t) * sqrt(1.04_DP), 1.0e-12_DP)
+    call suite%near('below the top, beside the back flank', thickness(6), 1.7_DP, 1.0e-12_DP)
+    call suite%near('above the land', thickness(2), 2.2_DP, 1.0e-12_DP)
+  end subroutine check_hook_thickness
 
 
   !> A surface of 4 x 3 cells: waves of height `wave`, perturbed nodes, folded at x = 2 (a crease if the angle is large).
