@@ -7,8 +7,9 @@
 !! of whose nodes, slave and master, supports move along the normal: by themselves, by equations, or with their rigid body. Laws of
 !! the deck give their force for any depth.
 !!
-!! Slave nodes that supports merely hold are none of these: masters bulge over clamped edges. Of a row that supports move as a whole
-!! the relative displacement counts, else that of the slave node.
+!! Slave nodes that supports merely hold are none of these while other nodes carry: masters bulge over clamped edges. Where no
+!! contact loads the master, and of a row that supports move as a whole, the relative displacement counts, else that of the slave
+!! node.
 !!
 !! Cost: linear in the slave nodes, with a search for each that supports hold.
 module amontons_driven_slaves
@@ -40,6 +41,7 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     character(:), allocatable, intent(out) :: message   !< '': none
     type(slave_state_type) :: slave
+    logical, allocatable :: is_loaded(:)           ! (n_nodes) known from the first candidate on
     logical :: is_driven, is_master_driven, is_faceless(size(slaves))
     integer :: s
     message = ''
@@ -51,9 +53,10 @@ contains
         if (is_compliant(contact%laws(p)) .and. .not. contact%laws(p)%is_penalty) cycle
       end associate
       slave = find_position(model, contact, s, slaves(s), u)
-      call judge_slave(contact, base, slave, u, is_driven, is_master_driven)
+      if (.not. allocated(is_loaded)) is_loaded = loaded_nodes(contact, slaves, model%mesh%n_nodes)
+      call judge_slave(contact, base, slave, u, is_loaded, is_driven, is_master_driven)
       if (.not. is_driven) cycle
-      call describe_slave(model, slave, is_master_driven, message)
+      call describe_slave(model, slave, is_master_driven, .not. (is_master_driven .or. norm2(u(:, slave%node)) > 0.0_DP), message)
       return
     end do
   end subroutine find_driven_slave
@@ -79,14 +82,35 @@ contains
   end function find_position
 
 
-  !> Whether supports moved a slave node behind its master, by half of its depth at least, and contact could move neither: the
-  !! exact force of the node is that of a support, or supports move the master too. A slave that gives way leaves the force to
-  !! slaves of the other side, and a penalty pushes the master.
-  pure subroutine judge_slave(contact, base, slave, u, is_driven, is_master_driven)
+  !> The nodes that contact loads, as slaves or as nodes of a master.
+  pure function loaded_nodes(contact, slaves, n_nodes) result(is_loaded)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)
+    integer, intent(in) :: n_nodes
+    logical :: is_loaded(n_nodes)
+    integer :: s
+    is_loaded = .false.
+    do s = 1, size(slaves)
+      associate (slave => slaves(s))
+        if (slave%facet == 0 .or. .not. norm2(slave%force) > 0.0_DP) cycle
+        is_loaded(slave%node) = .true.
+        associate (facets => contact%facets(slave%pair))
+          is_loaded(facets%nodes(facets%first(slave%facet):facets%first(slave%facet + 1) - 1)) = .true.
+        end associate
+      end associate
+    end do
+  end function loaded_nodes
+
+
+  !> Whether a slave node that supports hold is behind its master by a motion since the start, of half of its depth at least, and
+  !! contact could move neither: the exact force of the node is that of a support, or supports move the master too. A slave that
+  !! gives way leaves the force to slaves of the other side, and a penalty pushes the master.
+  pure subroutine judge_slave(contact, base, slave, u, is_loaded, is_driven, is_master_driven)
     type(contact_type), intent(in) :: contact
     type(constraints_type), intent(in) :: base
     type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
+    logical, intent(in) :: is_loaded(:)            !< (n_nodes) nodes that contact loads
     logical, intent(out) :: is_driven, is_master_driven
     type(contact_row_type) :: row
     real(DP) :: way(3)
@@ -101,21 +125,22 @@ contains
       is_master_driven = all([(is_prescribed_along(base, row%nodes(i), normal), i=1, size(row%nodes))])
       if (.not. is_master_driven .and. (gives_way(slave%overrides) .or. contact%laws(slave%pair)%is_penalty)) return
       way = u(:, slave%node)
-      if (is_master_driven) way = evaluate_relative_position(row, u)
+      if (is_master_driven .or. .not. any(is_loaded(contact%facets(slave%pair)%nodes))) way = evaluate_relative_position(row, u)
       is_driven = dot_product(way, normal) <= -MIN_OWN_PART * depth
     end associate
   end subroutine judge_slave
 
 
   !> The sentence about a driven slave node, with what helps.
-  subroutine describe_slave(model, slave, is_master_driven, message)
+  subroutine describe_slave(model, slave, is_master_driven, is_still, message)
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slave
     logical, intent(in) :: is_master_driven        !< supports move its master, too
+    logical, intent(in) :: is_still                !< the node does not move, and the master came
     character(:), allocatable, intent(out) :: message
     associate (pair => model%pairs(slave%pair))
-      message = 'Contact pair ' // pair%name // ': supports drive the slave node ' // &
-        to_text(model%mesh%node_label(slave%node)) // ' by ' // to_text(-slave%gap) // ' behind its master, '
+      message = 'Contact pair ' // pair%name // ': supports ' // trim(merge('hold ', 'drive', is_still)) // &
+        ' the slave node ' // to_text(model%mesh%node_label(slave%node)) // ' by ' // to_text(-slave%gap) // ' behind its master, '
       if (is_master_driven) then
         message = message // 'whose motion they prescribe, too: no contact can keep them apart. Leave the nodes of one body ' // &
           'free where it touches, or give a *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, whose force follows from the ' // &

@@ -123,7 +123,7 @@ contains
     case ('ELASTIC')
       is_repeated_law = .not. is_linear_elastic(material)
     case ('USERMATERIAL')
-      is_repeated_law = material%is_user .or. material%has_elastic
+      is_repeated_law = material%is_user .or. .not. is_linear_elastic(material)
     case default
       is_repeated_law = .false.
     end select
@@ -306,6 +306,8 @@ contains
     integer, intent(in) :: c                     !< index of the card
     type(material_type), intent(inout) :: material
     logical :: is_ok
+    if (material%has_elastic) call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name &
+      // ''' has a law of stress before this card; give one.')
     material%has_elastic = .true.                ! errors of the card are reported below
     call read_table(reader, c, 2, material%elastic, is_ok)
     if (.not. is_ok) return

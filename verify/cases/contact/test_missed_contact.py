@@ -251,6 +251,23 @@ def test_slave_driven_under_a_law(run_deck: Run, *, is_nlgeom: bool) -> None:
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("kind", ["NODE TO SURFACE", "SURFACE TO SURFACE"])
+def test_held_slaves(run_deck: Run, kind: str, *, is_nlgeom: bool) -> None:
+    """All nodes of the slave are held and a free master is pressed into it by its far side: no contact pushes it back. Where some slave nodes are held and others
+    carry, nothing is wrong."""
+    bodies = block("B", 1, (4, 4, 1), (0, 0, 0), (1, 1, 0.5)) + block("U", 5001, (2, 2, 1), (0.2, 0.2, 0.52), (0.8, 0.8, 0.82))
+    come = "BZ0, 1, 2\nBZ0, 3, 3, {way}\n"
+    for way, supports in ((0.05, "UZ0, 1, 3\nUZ1, 1, 3\n"), (0.0205, "UZ0, 1, 3\nUZ1, 1, 3\n")):
+        done = run_deck(pair_job(bodies, supports + come.format(way=way), is_nlgeom=is_nlgeom).replace("NODE TO SURFACE", kind))
+        said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+        assert done.returncode == NOT_CONVERGED, said
+        assert re.search(r"Contact pair SU / SB: supports hold the slave node 50\d\d by [\d.E-]+ behind its master, and exact contact cannot push", said), said
+    for supports in ("UZ0, 1, 3\nUZ1, 1, 3\n" + come.format(way=0.019), "5001, 1, 3\nUZ1, 1, 3\n" + come.format(way=0.0205)):
+        done = run_deck(pair_job(bodies, supports, is_nlgeom=is_nlgeom).replace("NODE TO SURFACE", kind))
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
 KINDS = {
     f"{'general' if general else 'pair'}, {kind.lower()}": GENERAL.format(kind)
     if general

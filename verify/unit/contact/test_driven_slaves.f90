@@ -29,7 +29,9 @@ program test_driven_slaves
     call drive('not yet there', ALL_AXES, -0.049_DP, 0.0_DP, 0)
     call drive('free', NOWHERE, -0.1_DP, 0.0_DP, 0)
     call drive('held beside the normal', [1, 2], -0.1_DP, 0.0_DP, 0)
-    call drive('the master came', ALL_AXES, 0.0_DP, 0.1_DP, 0)
+    call drive('the master came', ALL_AXES, 0.0_DP, 0.1_DP, AT_SLAVE)
+    call drive('the master came, others carry', ALL_AXES, 0.0_DP, 0.1_DP, 0, is_loaded=.true.)
+    call drive('behind, others carry', ALL_AXES, -0.1_DP, 0.0_DP, AT_SLAVE, is_loaded=.true.)
     call drive('a law', ALL_AXES, -0.1_DP, 0.0_DP, 0, has_law=.true.)
     call drive('removed', ALL_AXES, -0.1_DP, 0.0_DP, 0, is_removed=.true.)
     call drive('a penalty pushes the master', ALL_AXES, -0.1_DP, 0.0_DP, 0, has_law=.true., is_penalty=.true.)
@@ -49,12 +51,14 @@ contains
   include 'sample_blocks.inc'
 
   !> Moves the node and the master's surface along the normal.
-  subroutine drive(title, held, way, way_of_master, expected, has_law, is_removed, is_master_held, is_penalty, followed)
+  subroutine drive(title, held, way, way_of_master, expected, has_law, is_removed, is_master_held, is_penalty, followed, &
+    is_loaded)
     character(*), intent(in) :: title
     integer, intent(in) :: held(:)               !< axes along which a support holds the slave node
     real(DP), intent(in) :: way, way_of_master   !< [length]
     integer, intent(in) :: expected              !< AT_...; 0: no sentence
     logical, intent(in), optional :: has_law, is_removed, is_master_held, is_penalty
+    logical, intent(in), optional :: is_loaded   !< another slave node pushes the master
     integer, intent(in), optional :: followed    !< a node whose motion equations give the slave node
     character(*), parameter :: ENDS(2) = [character(32) :: 'whose motion they prescribe, too', 'exact contact cannot push a node']
     type(model_type) :: model
@@ -62,6 +66,7 @@ contains
     type(state_type) :: state
     real(DP), allocatable :: u(:, :)
     character(:), allocatable :: message
+    character(5) :: verb
     integer :: k
     call two_blocks(model, 0.0_DP, GAP, [0.0_DP, 0.0_DP, -0.1_DP])
     model%steps(1)%is_nlgeom = is_nlgeom
@@ -75,6 +80,7 @@ contains
     if (present(is_penalty)) system%contact%laws(1)%is_penalty = .true.
     if (present(is_removed)) system%contact%is_removed = is_removed
     state%new%slaves(NODE - 18)%facet = 0
+    if (present(is_loaded)) state%new%slaves(NODE - 17)%force(3) = 1.0_DP
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
     u(3, NODE) = way
     u(3, 10:18) = way_of_master
@@ -82,7 +88,8 @@ contains
     if (expected == 0) then
       call suite%that(title, message == '')
     else
-      call suite%that(title, index(message, 'slave-master: supports drive the slave node 124 by') > 0)
+      verb = merge('hold ', 'drive', expected == AT_SLAVE .and. .not. abs(way) > 0)
+      call suite%that(title, index(message, 'slave-master: supports ' // trim(verb) // ' the slave node 124 by') > 0)
       call suite%that(title // ', and why', index(message, trim(ENDS(expected))) > 0)
     end if
   end subroutine drive
