@@ -15,7 +15,7 @@ module amontons_general_contact
   use amontons_containers, only: integer_list_type, list_groups, ascending_order
   use amontons_elasticity, only: small_strain_modulus
   use amontons_surfaces, only: surface_type, contact_pair_type, general_contact_type
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, free_unknowns
   use amontons_body_motion, only: estimate_motion, are_rotations_prescribed, find_folding_bodies
   use amontons_contact_heights, only: assign_heights
   use amontons_exterior_membership, only: find_members, find_tie_lines, find_tied_faces, contact_rules, &
@@ -29,7 +29,7 @@ module amontons_general_contact
   use amontons_contact_pairs, only: SEARCH_RADIUS_RATIO
   use amontons_face_proximity, only: are_near, compare_faces, box_distance, find_active_faces, list_facets, exterior_positions
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
-  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, &
+  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, is_pair_driven, is_one_body, &
     unpaired_edges_warning, SHEETS_FACE, SHEETS_UNDECIDED
   implicit none
   private

@@ -4,11 +4,11 @@ module amontons_rigid_exterior
   use amontons_kinds, only: DP
   use amontons_text, only: to_text
   use amontons_element_kinds, only: KIND_R2D2, KIND_RAX2
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, free_unknowns
   use amontons_mpc_data, only: MPC_RIGID_BODY
   implicit none
   private
-  public :: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, unpaired_edges_warning
+  public :: rigid_bodies_type, collect_rigid_bodies, is_pair_driven, is_one_body, unpaired_edges_warning
   public :: compare_sheets, SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
 
   integer, parameter :: SHEETS_FACE = 1            !< one face lies before the other, and neither behind
@@ -51,20 +51,6 @@ contains
     end do
     bodies%is_driven = bodies%is_driven .and. bodies%is_whole
   end subroutine collect_rigid_bodies
-
-
-  !> The displacements that no support prescribes in a step.
-  pure function free_unknowns(model, step) result(is_free)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: step
-    logical :: is_free(3, model%mesh%n_nodes)
-    integer :: i
-    is_free = .true.
-    if (step > size(model%steps)) return
-    do i = 1, size(model%steps(step)%prescribed)
-      is_free(model%steps(step)%prescribed(i)%dof, model%steps(step)%prescribed(i)%node) = .false.
-    end do
-  end function free_unknowns
 
 
   !> Whether two nodes cannot move relative to each other but as prescribed: they belong to one rigid body or to two driven ones.

@@ -14,7 +14,7 @@ module amontons_deck_structure
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, free_unknowns, DIALECT_CALCULIX
   use amontons_structural_data, only: director_type, structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, parse_integer, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
@@ -443,17 +443,10 @@ contains
   pure function held_directions(model) result(is_held)
     type(model_type), intent(in) :: model
     logical :: is_held(3, model%mesh%n_nodes)
-    logical :: is_held_now(3, model%mesh%n_nodes)
     integer :: i, k
     is_held = size(model%steps) > 0
     do k = 1, size(model%steps)
-      is_held_now = .false.
-      do i = 1, size(model%steps(k)%prescribed)
-        associate (held => model%steps(k)%prescribed(i))
-          is_held_now(held%dof, held%node) = .true.
-        end associate
-      end do
-      is_held = is_held .and. is_held_now
+      is_held = is_held .and. .not. free_unknowns(model, k)
     end do
     if (.not. allocated(model%frame_of)) return
     do i = 1, size(model%frame_of)

@@ -19,7 +19,7 @@ module amontons_model
     find_finite_rotations, &
     has_unsymmetric_elements, with_pretension_copies, new_equation, append_equation, append_mpc, &
     gather_constraints, &
-    is_out, absent_elements, material_in_step, load_now, displacement_now, &
+    is_out, absent_elements, free_unknowns, material_in_step, load_now, displacement_now, &
     MAX_PARTITIONS, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
 
   real(DP), parameter :: TOL_ZERO_COEFFICIENT = 1.0e-14_DP   !< coefficients below this times the largest are dropped [-]
@@ -207,6 +207,20 @@ contains
     integer :: e
     is_absent = [(is_out(model, step, e), e=1, model%mesh%n_elements)]
   end function absent_elements
+
+
+  !> The displacements that no support prescribes in a step.
+  pure function free_unknowns(model, step) result(is_free)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step
+    logical :: is_free(3, model%mesh%n_nodes)
+    integer :: i
+    is_free = .true.
+    if (step > size(model%steps)) return
+    do i = 1, size(model%steps(step)%prescribed)
+      is_free(model%steps(step)%prescribed(i)%dof, model%steps(step)%prescribed(i)%node) = .false.
+    end do
+  end function free_unknowns
 
 
   !> The material of an element in a step; 0: the element has no material.

@@ -7,14 +7,14 @@ module amontons_model_check_contact
   use amontons_containers, only: integer_list_type
   use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type
   use amontons_loads, only: amplitude_type, prescribed_type
-  use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_model, only: model_type, free_unknowns, DIALECT_CALCULIX
   use amontons_surfaces, only: is_compliant, is_self_contact, swap_advice
   use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_shared_slave_nodes, only: MIN_FREE_PART
   use amontons_contact_pairs, only: contact_type, SEARCH_RADIUS_RATIO
   use amontons_contact_initialization, only: TOL_INITIAL_CONTACT
-  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns
+  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies
   use amontons_exterior_membership, only: find_tie_lines
   use amontons_model_check_bodies, only: report_error, report_warning, label_list, counted_noun
   implicit none
@@ -446,12 +446,7 @@ contains
     integer, intent(in) :: step
     logical, allocatable, intent(out) :: is_free(:, :)   !< (3, n_nodes)
     integer :: i
-    allocate (is_free(3, model%mesh%n_nodes), source=.true.)
-    do i = 1, size(model%steps(step)%prescribed)
-      associate (load => model%steps(step)%prescribed(i))
-        is_free(load%dof, load%node) = .false.
-      end associate
-    end do
+    is_free = free_unknowns(model, step)
     do i = 1, size(model%equations)
       is_free(model%equations(i)%dof(1), model%equations(i)%node(1)) = .false.
     end do

@@ -4,9 +4,9 @@ program test_rigid_exterior
   use amontons_kinds, only: DP, PI
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_model, only: model_type, job_options_type
+  use amontons_model, only: model_type, free_unknowns, job_options_type
   use amontons_text, only: NEWLINE
-  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, free_unknowns, is_pair_driven, is_one_body, &
+  use amontons_rigid_exterior, only: rigid_bodies_type, collect_rigid_bodies, is_pair_driven, is_one_body, &
     unpaired_edges_warning, compare_sheets, SHEETS_FACE, SHEETS_BEHIND, SHEETS_UNDECIDED
   use check, only: suite_type
   implicit none
