@@ -7,7 +7,7 @@ module amontons_body_motion
   use amontons_kinds, only: DP, PI
   use amontons_containers, only: list_groups
   use amontons_mesh, only: mesh_extent
-  use amontons_materials, only: ELASTIC_HYPER, ELASTIC_FOAM
+  use amontons_materials, only: is_hyperelastic
   use amontons_loads, only: prescribed_type, amplitude_type
   use amontons_model, only: model_type
   use amontons_exterior_surface, only: exterior_type
@@ -79,8 +79,7 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: e
     is_rubber = .false.
-    if (model%mesh%material(e) > 0) is_rubber = any(model%materials(model%mesh%material(e))%elastic_kind == &
-      [ELASTIC_HYPER, ELASTIC_FOAM])
+    if (model%mesh%material(e) > 0) is_rubber = is_hyperelastic(model%materials(model%mesh%material(e)))
   end function is_rubber
 
 

@@ -8,7 +8,7 @@ module amontons_deck_materials
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, &
-    ELASTIC_COMPRESSION_ONLY, is_linear_elastic, HYPER_POLYNOMIAL, &
+    ELASTIC_COMPRESSION_ONLY, is_linear_elastic, is_one_sided, HYPER_POLYNOMIAL, &
     HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
     CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
     CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
@@ -283,7 +283,7 @@ contains
       if (index(upper_case(material%name), 'TENSION_ONLY') == 1) material%elastic_kind = ELASTIC_TENSION_ONLY
       if (index(upper_case(material%name), 'COMPRESSION_ONLY') == 1) material%elastic_kind = ELASTIC_COMPRESSION_ONLY
     end if
-    if (.not. is_linear_elastic(material)) then
+    if (is_one_sided(material)) then
       call read_one_sided(reader, c, material)
       return
     end if

@@ -6,7 +6,7 @@
 module amontons_elasticity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, LAW_SAINT_VENANT, ELASTIC_HYPER, ELASTIC_FOAM
+  use amontons_materials, only: material_type, is_hyperelastic, LAW_SAINT_VENANT
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
     invert, pack_voigt, push_forward, unpack_voigt
   use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
@@ -32,7 +32,7 @@ contains
     modulus = material%youngs_modulus
     if (modulus > 0.0_DP .or. .not. allocated(material%elastic%value)) return
     modulus = abs(material%elastic%value(1, 1))
-    if (any(material%elastic_kind == [ELASTIC_HYPER, ELASTIC_FOAM])) modulus = 6 * modulus
+    if (is_hyperelastic(material)) modulus = 6 * modulus
   end function small_strain_modulus
 
 

@@ -23,7 +23,7 @@ module amontons_material_point
     coth_divided_difference, NEXT_AXIS
   use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, &
-    ELASTIC_COMPRESSION_ONLY, is_one_sided, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
+    ELASTIC_COMPRESSION_ONLY, is_hyperelastic, is_one_sided, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
     HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL, YIELD_ROUND
   use amontons_one_sided_elasticity, only: one_sided_stress
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
@@ -99,7 +99,7 @@ contains
     end if
     status = check_gradient(point%H)
     if (status /= STRESS_OK) return
-    if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
+    if (is_hyperelastic(material)) then
       call evaluate_principal_law(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. material%has_deformation_plasticity) then
       call evaluate_almansi_law(material, moduli, point, status)
@@ -557,7 +557,7 @@ contains
       point%strain = tensor_from_principal(principal, principal%e)
       if (has_past .or. material%law == LAW_SAINT_VENANT) point%strain = evaluate_output_strain(material, point%H)
     end if
-    if (material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM) then
+    if (is_hyperelastic(material)) then
       call evaluate_hyperelastic(material, moduli%constants, principal%e - log1p(moduli%thermal(1)), response)
     else
       e = principal%e - moduli%thermal(1)

@@ -10,7 +10,7 @@ module amontons_materials
     evaluate_curve, find_interval
   public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
-    ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, is_linear_elastic, is_one_sided
+    ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, is_linear_elastic, is_hyperelastic, is_one_sided
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
@@ -227,6 +227,13 @@ contains
     type(material_type), intent(in) :: material
     is_linear_elastic = any(material%elastic_kind == [ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC])
   end function is_linear_elastic
+
+
+  !> Whether a material is rubber or foam.
+  pure logical function is_hyperelastic(material)
+    type(material_type), intent(in) :: material
+    is_hyperelastic = material%elastic_kind == ELASTIC_HYPER .or. material%elastic_kind == ELASTIC_FOAM
+  end function is_hyperelastic
 
 
   !> Whether a material carries only tension or only compression.
