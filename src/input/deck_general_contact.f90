@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_general_contact
   use amontons_kinds, only: DP
+  use amontons_containers, only: name_table_type
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, open_card, report_error, check_n_fields, is_card
@@ -24,13 +25,14 @@ contains
     type(model_type), intent(inout) :: model
     type(general_contact_type) :: rules
     type(interaction_type) :: default
+    type(name_table_type) :: initializations
     integer :: c, n, line
     if (.not. any([(is_card(reader, c, 'CONTACT'), c=1, reader%cards%n_cards)])) return
     allocate (rules%properties(0))
     allocate (rules%included(2, 0), rules%excluded(2, 0), rules%assigned(3, 0), rules%roles(2, 0), rules%initialized(3, 0))
     allocate (rules%initial(0))
     do c = 1, reader%cards%n_cards
-      if (is_card(reader, c, 'CONTACTINITIALIZATIONDATA')) call read_initialization(reader, c, rules%initial)
+      if (is_card(reader, c, 'CONTACTINITIALIZATIONDATA')) call read_initialization(reader, c, initializations, rules%initial)
     end do
     default%name = DEFAULT_INTERACTION
     model%interactions = [model%interactions, default]
@@ -48,9 +50,13 @@ contains
       else if (is_card(reader, c, 'CONTACTEXCLUSIONS')) then
         call read_surface_pairs(reader, model, c, '*CONTACT EXCLUSIONS needs data lines: surface, surface.', rules%excluded)
       else if (is_card(reader, c, 'CONTACTPROPERTYASSIGNMENT')) then
-        call read_assignments(reader, model, c, rules)
+        call read_assignments(reader, model, c, reader%interactions, [character(50) :: &
+          'There is no surface interaction ''', ''''], '*CONTACT PROPERTY ASSIGNMENT needs data lines: ' // &
+          'surface, surface, interaction.', rules%assigned)
       else if (is_card(reader, c, 'CONTACTINITIALIZATIONASSIGNMENT')) then
-        call read_initialized(reader, model, c, rules)
+        call read_assignments(reader, model, c, initializations, [character(50) :: &
+          'There is no *CONTACT INITIALIZATION DATA, NAME=', ''], '*CONTACT INITIALIZATION ASSIGNMENT needs data lines: ' // &
+          'surface, surface, initialization.', rules%initialized)
       else if (is_card(reader, c, 'CONTACTFORMULATION')) then
         call read_roles(reader, model, c, rules)
       else if (is_card(reader, c, 'SURFACEPROPERTYASSIGNMENT')) then
@@ -123,16 +129,19 @@ contains
   end subroutine read_surface_pairs
 
 
-  !> CONTACT PROPERTY ASSIGNMENT: pairs of surfaces and their interaction.
-  subroutine read_assignments(reader, model, c, rules)
+  !> CONTACT PROPERTY ASSIGNMENT, CONTACT INITIALIZATION ASSIGNMENT: appends pairs of surfaces and what a line gives them by name.
+  subroutine read_assignments(reader, model, c, names, missing, needs, assigned)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
-    integer, intent(in) :: c
-    type(general_contact_type), intent(inout) :: rules
+    integer, intent(in) :: c                     !< index of the card
+    type(name_table_type), intent(in) :: names   !< what can be assigned
+    character(*), intent(in) :: missing(2)       !< message where there is no such name: before and behind the name
+    character(*), intent(in) :: needs            !< message where it has no data lines
+    integer, allocatable, intent(inout) :: assigned(:, :)   !< (3, :) two surfaces, and what is assigned
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: name
-    integer :: pair(2), interaction, n
+    integer :: pair(2), found, n
     logical :: is_ok
     call open_card(reader, c, parameters, row)
     n = 0
@@ -141,25 +150,25 @@ contains
       call check_n_fields(reader, row, 3)
       call read_surfaces(reader, model, row, pair, is_ok)
       name = field_text(reader%cards, row, 3)
-      interaction = reader%interactions%find(name)
-      if (interaction == 0) call report_error(reader, row%line, 'There is no surface interaction ''' // name // '''' // &
-        reader%interactions%suggest(name))
-      if (is_ok .and. interaction > 0) rules%assigned = reshape([rules%assigned, pair, interaction], &
-        [3, size(rules%assigned, 2) + 1])
+      found = names%find(name)
+      if (found == 0) call report_error(reader, row%line, trim(missing(1)) // name // trim(missing(2)) // names%suggest(name))
+      if (is_ok .and. found > 0) assigned = reshape([assigned, pair, found], [3, size(assigned, 2) + 1])
     end do
-    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT PROPERTY ASSIGNMENT needs data lines: ' // &
-      'surface, surface, interaction.')
+    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, needs)
   end subroutine read_assignments
 
 
-  !> CONTACT INITIALIZATION DATA: adds one.
-  subroutine read_initialization(reader, c, list)
+  !> CONTACT INITIALIZATION DATA: adds one; of several with one name the last counts.
+  subroutine read_initialization(reader, c, names, list)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
+    type(name_table_type), intent(inout) :: names
     type(contact_initialization_type), allocatable, intent(inout) :: list(:)
     type(contact_initialization_type) :: item
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
+    integer :: k
+    logical :: is_new
     call open_card(reader, c, parameters, row)
     item%name = parameter_text(parameters, 'NAME')
     item%is_fit = has_parameter(parameters, 'INTERFERENCE FIT')
@@ -168,7 +177,12 @@ contains
     if (item%is_fit .and. (has_parameter(parameters, 'SEARCH ABOVE') .or. has_parameter(parameters, 'SEARCH BELOW'))) call &
       report_error(reader, reader%cards%cards(c)%line, 'With INTERFERENCE FIT nothing is moved: leave out SEARCH ABOVE and ' // &
       'SEARCH BELOW.')
-    list = [list, item]
+    call names%add(item%name, k, is_new)
+    if (is_new) then
+      list = [list, item]
+    else
+      list(k) = item
+    end if
 
   contains
 
@@ -184,36 +198,6 @@ contains
     end subroutine read_distance
 
   end subroutine read_initialization
-
-
-  !> CONTACT INITIALIZATION ASSIGNMENT: pairs of surfaces and their initialization.
-  subroutine read_initialized(reader, model, c, rules)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: c
-    type(general_contact_type), intent(inout) :: rules
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    character(:), allocatable :: name
-    integer :: pair(2), found, k, n
-    logical :: is_ok
-    call open_card(reader, c, parameters, row)
-    n = 0
-    do while (next_row(reader%cards, row))
-      n = n + 1
-      call check_n_fields(reader, row, 3)
-      call read_surfaces(reader, model, row, pair, is_ok)
-      name = field_text(reader%cards, row, 3)
-      found = 0
-      do k = 1, size(rules%initial)
-        if (name_key(rules%initial(k)%name) == name_key(name)) found = k
-      end do
-      if (found == 0) call report_error(reader, row%line, 'There is no *CONTACT INITIALIZATION DATA, NAME=' // name // '.')
-      if (is_ok .and. found > 0) rules%initialized = reshape([rules%initialized, pair, found], [3, size(rules%initialized, 2) + 1])
-    end do
-    if (n == 0) call report_error(reader, reader%cards%cards(c)%line, '*CONTACT INITIALIZATION ASSIGNMENT needs data lines: ' // &
-      'surface, surface, initialization.')
-  end subroutine read_initialized
 
 
   !> CONTACT FORMULATION: pairs of surfaces and the role of the first one.
