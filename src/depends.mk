@@ -52,8 +52,9 @@ uses_surfaces = kinds analytic_profiles
 uses_mpc_data = kinds tensor
 uses_steps = kinds controls loads surfaces
 uses_structural_data = kinds
+uses_submodels = kinds
 uses_user_elements = kinds
-uses_model = kinds containers loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data user_elements
+uses_model = kinds containers loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data submodels user_elements
 
 # materials
 uses_deviatoric_section = kinds scalar_root
@@ -95,20 +96,22 @@ uses_expansion = model directors expanded_elements knots
 # input
 uses_cards = kinds text containers errors
 uses_card_schema = kinds text containers cards
-uses_card_materials = card_schema
-uses_card_table = card_schema card_materials
+uses_card_submodels = card_schema
+uses_card_materials = card_schema card_submodels
+uses_card_table = card_schema card_submodels card_materials
 uses_element_drafts = kinds containers
 uses_deck_labels = kinds text containers element_kinds user_elements cards card_schema
 uses_deck_reader = kinds text containers mesh model cards card_schema
 uses_deck_user_elements = kinds text containers element_kinds mesh steps user_elements model cards card_schema element_drafts deck_reader
 uses_deck_mesh = kinds text containers element_kinds materials mesh user_elements model cards card_schema element_drafts deck_labels deck_reader deck_user_elements
+uses_deck_submodel = kinds text containers structural_data submodels model cards card_schema deck_reader
 uses_deck_property_tables = kinds text materials model cards card_schema deck_reader
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables
 uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
 uses_deck_section_beams = kinds text element_kinds materials user_elements model beam_cross_sections section_beams cards card_schema element_drafts deck_reader deck_user_elements deck_beams
 uses_deck_shell_stiffness = kinds text structural_data model equivalent_layers cards card_schema deck_reader deck_materials
 uses_deck_structure = kinds text containers controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams deck_section_beams deck_shell_stiffness
-uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure
+uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_submodel deck_structure
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers element_kinds mesh deck_reader
 uses_deck_surfaces = kinds text containers element_kinds loads user_routines mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
@@ -126,11 +129,11 @@ uses_deck_springs = kinds text element_kinds materials mpc_data model cards card
 uses_deck_sets = text containers mesh model cards card_schema element_drafts deck_reader
 uses_deck_output = kinds text element_kinds steps model cards card_schema card_table deck_reader
 uses_load_propagation = kinds containers loads model
-uses_deck_loads = kinds text containers tensor element_kinds loads materials structural_data model cards card_schema deck_reader deck_structure deck_surfaces load_propagation
+uses_deck_loads = kinds text containers tensor element_kinds loads materials structural_data model cards card_schema deck_reader deck_submodel deck_structure deck_surfaces load_propagation
 uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
 uses_deck_steps = kinds text containers controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_materials deck_initial_conditions deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_submodel deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions
@@ -142,6 +145,7 @@ uses_body_thickness = kinds mesh facets exterior_surface facet_crossing facet_se
 uses_contact_constraint_rows = kinds element_kinds shape_functions facets analytic_master
 uses_surface_projection = kinds tensor element_kinds shape_functions facets analytic_master facet_crossing facet_search
 uses_master_symmetry_planes = kinds steps model facets surface_projection
+uses_mesh_point_search = kinds element_kinds shape_functions facets facet_search
 uses_self_contact_visibility = kinds containers tensor element_kinds facets facet_search surface_projection
 uses_tributary_areas = kinds tensor element_kinds mesh surfaces shape_functions
 
@@ -252,10 +256,13 @@ uses_postprocess = kinds tensor element_kinds materials mesh surfaces structural
 uses_dat_contact_output = kinds text tensor element_kinds steps model state postprocess
 uses_section_forces = kinds tensor element_kinds materials mesh structural_data model material_point shape_functions element state
 uses_dat_output = kinds text tensor element_kinds materials mesh steps model beam_rules state postprocess dat_contact_output section_forces
+uses_frd_input = kinds text containers errors element_kinds
 uses_virtual_data_sets = kinds errors hdf5_file
 uses_result_schema = kinds errors iteration_records hdf5_file virtual_data_sets
 uses_nodal_fields = kinds tensor materials mesh surfaces model dual_shape_functions state postprocess section_forces result_schema
-uses_frd_output = kinds text containers errors iteration_records posix version dense element_kinds mesh steps model shape_functions state postprocess dat_contact_output dat_output nodal_fields
+uses_frd_output = kinds text containers errors iteration_records posix version dense element_kinds mesh steps model shape_functions state postprocess dat_contact_output dat_output frd_input nodal_fields
+uses_hdf5_input = kinds errors hdf5_file
+uses_global_results = kinds text containers errors element_kinds frd_input hdf5_input
 uses_result_cells = errors mesh hdf5_file virtual_data_sets
 uses_result_partitions = containers errors graph_partition mesh model nodal_fields
 uses_result_model = kinds errors iteration_records version analytic_profiles element_kinds materials mesh surfaces steps model analytic_master hdf5_file virtual_data_sets result_schema result_partitions
@@ -264,8 +271,9 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_contact_checks = model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
+uses_submodel_results = kinds text errors logger element_kinds loads steps submodels model mesh_point_search global_results
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
-uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies user_routine_setup
+uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies submodel_results user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_partition_files = kinds errors iteration_records mpi_ranks model state hdf5_file result_partitions results
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output result_partitions results text_output driven_loads partition_files

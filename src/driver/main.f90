@@ -171,8 +171,10 @@ contains
     name = word
     value = ''
     equals = index(word, '=')
-    if (equals > 0 .and. any(word(:max(1, equals - 1)) == ['user  ', 'job   ', 'oldjob'])) then
+    if (equals > 0 .and. any(word(:max(1, equals - 1)) == ['user       ', 'job        ', 'oldjob     ', &
+      'globalmodel'])) then
       name = '--' // word(:equals - 1)
+      if (word(:equals - 1) == 'globalmodel') name = '--global'
       value = word(equals + 1:)
     else if (index(word, '--') == 1 .and. equals > 0) then
       name = word(:equals - 1)
@@ -195,7 +197,7 @@ contains
     character(*), intent(in) :: name
     logical :: is_true
     is_true = any(name == [character(12) :: '-i', '--job', '--threads', '--progress', '--dialect', '--outdir', '--user', &
-      '--oldjob', '--partitions'])
+      '--oldjob', '--partitions', '--global'])
   end function is_with_value
 
 
@@ -239,6 +241,8 @@ contains
       command%job%user = value
     case ('--oldjob')
       command%job%old_job = value
+    case ('--global')
+      command%job%global_results = value
     case ('-i', '--job')
       call set_job(command%job, value, error)
     case default
@@ -418,6 +422,7 @@ contains
       '  --user FILE, user=FILE       user routines (UMAT, ...): a Fortran file, which gfortran compiles, or a', &
       '                               shared library', &
       '  --oldjob NAME, oldjob=NAME   the job whose restart file NAME.res a deck with *RESTART, READ continues from', &
+      '  --global FILE, globalmodel=FILE   results of the global model of a deck with *SUBMODEL: .vtkhdf or .frd', &
       '  --progress=auto|plain|none   a line per increment; auto adds a live line on a terminal', &
       '  --quiet                      write nothing but failures', &
       '  --cards                      list the cards', &

@@ -1,9 +1,10 @@
 !> Model set-up: the last changes of the model after the deck is read; it is constant from the model check on.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Opens user routines; converts ties and distributing couplings to equations, general contact to contact pairs; gives pairs with
-!! dependent slave nodes a penalty; moves tied nodes and those of ADJUST onto their masters; gives elements the material of the
-!! first step. No later procedure has a model with intent(inout) (`make lint`).
+!! Opens user routines; gives the nodes of submodels the results of the global model; converts ties and distributing couplings to
+!! equations, general contact to contact pairs; gives pairs with dependent slave nodes a penalty; moves tied nodes and those of
+!! ADJUST onto their masters; gives elements the material of the first step. No later procedure has a model with intent(inout)
+!! (`make lint`).
 module amontons_model_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
@@ -18,6 +19,7 @@ module amontons_model_setup
   use amontons_self_contact_pairs, only: add_self_pairs
   use amontons_deck_structure, only: order_slave_terms
   use amontons_dependent_slaves, only: find_penalties, penalty_law
+  use amontons_submodel_results, only: drive_submodels
   use amontons_tie_generation, only: generate_ties
   use amontons_user_routine_setup, only: open_user_routines
   implicit none
@@ -35,6 +37,8 @@ contains
     logical, allocatable :: is_bound(:)
     character(:), allocatable :: text
     call open_user_routines(model, options, error)
+    if (allocated(error)) return
+    call drive_submodels(model, options, logger, error)
     if (allocated(error)) return
     call add_ties(model, error)
     if (allocated(error)) return

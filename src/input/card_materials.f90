@@ -1,6 +1,7 @@
 !> Entries of the card table for materials, sections, orientations and initial conditions.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_materials
+  use amontons_card_submodels, only: describe_global_step
   use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_STEP, ENTRY_IGNORED, ENTRY_REJECTED, &
     VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
   implicit none
@@ -379,6 +380,7 @@ contains
     call table%option('AMPLITUDE', VALUE_NAME, 'The temperature is the value times the amplitude.')
     call table%option('OP', VALUE_WORD, 'NEW: nodes not given again go back to their initial temperature.', &
       allowed='MOD|NEW', default='MOD')
+    call describe_global_step(table, 'The temperatures')
     call reject_fields_of_files(table)
     call table%card('FIELD', SCOPE_STEP, 'Prescribes a field variable at nodes, on which material properties depend ' // &
       '(DEPENDENCIES); it goes to its values over the step.', data='node or node set, value')
@@ -386,6 +388,7 @@ contains
     call table%option('AMPLITUDE', VALUE_NAME, 'The field variable is the value times the amplitude.')
     call table%option('OP', VALUE_WORD, 'NEW: nodes not given again go back to their initial value.', &
       allowed='MOD|NEW', default='MOD')
+    call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
     call reject_fields_of_files(table)
   end subroutine describe_initial_conditions
 
@@ -394,7 +397,7 @@ contains
   subroutine reject_fields_of_files(table)
     type(card_table_type), intent(inout) :: table
     call table%option('USER', VALUE_NONE, 'Give the values.', status=ENTRY_REJECTED)
-    call table%option('FILE|BSTEP|BINC|ESTEP|EINC|INPUT|MIDSIDE|INTERPOLATE|SUBMODEL|STEP|DATA SET|TIME DELAY|OUTPUT VARIABLE', &
+    call table%option('FILE|BSTEP|BINC|ESTEP|EINC|INPUT|MIDSIDE|INTERPOLATE|TIME DELAY|OUTPUT VARIABLE', &
       VALUE_TEXT, 'Give the values.', status=ENTRY_REJECTED)
   end subroutine reject_fields_of_files
 

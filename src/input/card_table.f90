@@ -5,6 +5,7 @@
 !! procedure in the reader.
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
+  use amontons_card_submodels, only: describe_submodel, describe_global_step
   use amontons_card_schema, only: card_table_type, render_card_table, SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_IGNORED, &
     ENTRY_REJECTED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, &
     VALUE_OPTIONAL_REAL
@@ -28,6 +29,7 @@ contains
     call describe_materials(table)
     call describe_contact(table)
     call describe_general_contact(table)
+    call describe_submodel(table)
     call describe_contact_changes(table)
     call describe_amplitude_and_equation(table)
     call describe_couplings(table)
@@ -477,8 +479,7 @@ contains
     call table%option('USER', VALUE_NONE, 'The routine DISP of the user gives the displacements.')
     call describe_load_case(table)
     call table%option('MASSLESS|MODEL', VALUE_TEXT, 'Inertia does not count.', status=ENTRY_IGNORED)
-    call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the displacements themselves, or ' // &
-      'let the routine DISP give them (USER).', status=ENTRY_REJECTED)
+    call describe_global_step(table, 'The displacements')
     call table%option('REGION TYPE|BASE NAME', VALUE_TEXT, 'Give the displacements themselves.', status=ENTRY_REJECTED)
 
     call table%card('CLOAD', SCOPE_STEP, 'Forces on nodes.', data='node or node set, degree of freedom (1 to 3), force')
@@ -492,8 +493,8 @@ contains
     call table%option('FOLLOWER', VALUE_NONE, 'Under NLGEOM the force turns with its node (of shells and beams, reference ' // &
       'nodes of rigid bodies and *KINEMATIC couplings); its components are those of the undeformed state.')
     call table%option('USER', VALUE_NONE, 'Give the forces an AMPLITUDE; it may be by the routine UAMP.', status=ENTRY_REJECTED)
-    call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'There are no submodels: write the forces themselves.', &
-      status=ENTRY_REJECTED)
+    call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'Forces are not taken from a global model: drive the ' // &
+      'displacements of the cut by *BOUNDARY, SUBMODEL; their reactions RF are the forces.', status=ENTRY_REJECTED)
     call table%option('CYCLIC MODE|REGION TYPE', VALUE_TEXT, 'Write the forces themselves.', status=ENTRY_REJECTED)
 
     call table%card('DLOAD', SCOPE_STEP, 'Pressure on element faces, positive when it pushes into the element, gravity, ' // &
@@ -535,8 +536,10 @@ contains
       'and TRSHR need YES.', allowed='YES|NO', default='NO')
     call table%option('TIME DELAY', VALUE_REAL, 'The amplitude runs this much later.', default='0')
     call describe_load_case(table)
-    call table%option('SUBMODEL|STEP|DATA SET|CYCLIC MODE|REGION TYPE|ORIENTATION|REF NODE', &
-      VALUE_TEXT, 'Give pressures on faces.', status=ENTRY_REJECTED)
+    call table%option('SUBMODEL|STEP|DATA SET', VALUE_TEXT, 'Stresses are not taken from a global model: drive the ' // &
+      'displacements of the cut by *SUBMODEL, TYPE=NODE and *BOUNDARY, SUBMODEL.', status=ENTRY_REJECTED)
+    call table%option('CYCLIC MODE|REGION TYPE|ORIENTATION|REF NODE', VALUE_TEXT, 'Give pressures on faces.', &
+      status=ENTRY_REJECTED)
   end subroutine describe_distributed
 
 
@@ -862,8 +865,6 @@ contains
       'take the stresses of a *STATIC step from job.vtkhdf or job.frd to a program for them.')
     call table%cards_with(ENTRY_REJECTED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS', 'The model is the same in all steps.')
-    call table%cards_with(ENTRY_REJECTED, 'SUBMODEL', 'Write the displacements of the cut boundary themselves into a file ' // &
-      'with *BOUNDARY that *INCLUDE reads, or let the routine DISP give them (*BOUNDARY, USER).')
     call table%cards_with(ENTRY_REJECTED, 'CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|' // &
       'CAVITY DEFINITION', 'Heat flow is not computed: take the temperatures from another program and give them to the nodes ' // &
       'by *TEMPERATURE.')

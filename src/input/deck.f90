@@ -25,6 +25,7 @@ module amontons_deck
   use amontons_deck_reader, only: reader_type, report_error, report_note, check_no_data, is_card
   use amontons_explain, only: explain_cards
   use amontons_deck_mpc, only: read_distributing_couplings, read_cyclic_symmetry
+  use amontons_deck_submodel, only: read_submodels
   use amontons_deck_springs, only: read_springs, read_distance_limits
   use amontons_deck_sets, only: read_sets
   use amontons_deck_structure, only: read_structural_sections, read_structure, free_slave_nodes, &
@@ -156,6 +157,7 @@ contains
     call read_pairs(reader, model)
     call read_general_contact(reader, model)
     call read_transforms(reader, model)
+    call read_submodels(reader, options, model)
     call read_couplings(reader, model)
     call free_slave_nodes(reader, model)
     call read_distributing_couplings(reader, model)

@@ -4,6 +4,7 @@ module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_real
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_submodel, only: read_global_step, check_driven_nodes
   use amontons_deck_structure, only: spread_temperature, is_shell
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, read_integer, check_n_fields, &
     check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
@@ -644,6 +645,7 @@ contains
       associate (load => thermal%loads(i))
         thermal%before(load%node) = load_value(load, model%amplitudes, period, total_time, period)
         thermal%at(load%node) = 0
+        if (load%global_step /= 0) thermal%before(load%node) = huge(1.0_DP)      ! set with the results of the global model
         if (load%amplitude == 0) cycle
         if (.not. model%amplitudes(load%amplitude)%is_total_time) cycle
         n = n + 1
@@ -662,7 +664,7 @@ contains
     integer :: i
     do i = 1, thermal%n
       associate (load => thermal%loads(i))
-        if (load%amplitude == 0) load%end = load%start + (load%end - load%start) * fraction
+        if (load%amplitude == 0 .and. load%global_step == 0) load%end = load%start + (load%end - load%start) * fraction
       end associate
     end do
   end subroutine truncate_temperatures
@@ -679,10 +681,15 @@ contains
     integer, allocatable :: nodes(:)
     real(DP), allocatable :: values(:)
     real(DP) :: value
-    integer :: amplitude, i, variable, first
+    type(temperature_type) :: common
+    integer :: i, variable, first
     logical :: is_ok
     call open_card(reader, c, parameters, row)
-    call find_amplitude(reader, c, parameters, amplitude)
+    call find_amplitude(reader, c, parameters, common%amplitude)
+    call read_global_step(reader, c, parameters, thermal%step, common%global_step)
+    if (has_parameter(parameters, 'SUBMODEL') .and. common%global_step == 0) return      ! reported
+    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    common%is_time_scaled = has_parameter(parameters, 'TIMESCALE')
     variable = 0
     if (is_card(reader, c, 'FIELD')) call read_variable(reader, c, parameters, model, variable)
     if (variable < 0) return
@@ -691,25 +698,32 @@ contains
       do i = first + 1, first + model%mesh%n_nodes
         value = 0
         if (allocated(model%initial_temperature)) value = model%initial_temperature(i)
-        if (abs(value - thermal%before(i)) > 0 .or. thermal%at(i) > 0) call set_temperature(i, value, 0, thermal)
+        if (abs(value - thermal%before(i)) > 0 .or. thermal%at(i) > 0) call set_temperature(i, value, temperature_type(), thermal)
       end do
     end if
     do while (next_row(reader%cards, row))
       is_ok = .true.
       call read_node_temperatures(reader, row, model, nodes, values, is_ok)
+      if (is_ok .and. common%global_step /= 0) then
+        call check_driven_nodes(reader, model, row, nodes, is_ok)
+        if (is_ok .and. row%n > 1) then
+          if (field_text(reader%cards, row, 2) /= '') call report_error(reader, row%line, 'The global model gives the ' // &
+            'temperature: write the node or node set alone.')
+        end if
+      end if
       if (.not. is_ok) cycle
       do i = 1, size(nodes)
-        call set_temperature(first + nodes(i), values(i), amplitude, thermal)
+        call set_temperature(first + nodes(i), values(i), common, thermal)
       end do
     end do
   end subroutine read_temperature
 
 
   !> The temperature of one node at the end of the step.
-  subroutine set_temperature(node, value, amplitude, thermal)
+  subroutine set_temperature(node, value, common, thermal)
     integer, intent(in) :: node
     real(DP), intent(in) :: value                !< [temperature]
-    integer, intent(in) :: amplitude             !< 0: none
+    type(temperature_type), intent(in) :: common !< with amplitude and global_step
     type(active_temperatures_type), intent(inout) :: thermal
     type(temperature_type), allocatable :: larger(:)
     integer :: i
@@ -725,10 +739,11 @@ contains
       thermal%at(node) = i
     end if
     associate (load => thermal%loads(i))
+      load = common
       load%node = node
       load%start = merge(value, thermal%before(node), thermal%is_step)
       load%end = value
-      load%amplitude = amplitude
+      load%is_from_current = .not. thermal%is_step
     end associate
   end subroutine set_temperature
 

@@ -7,6 +7,7 @@ module amontons_deck_loads
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_card_schema, only: has_parameter, parameter_word
   use amontons_deck_surfaces, only: face_number
+  use amontons_deck_submodel, only: read_global_step, check_driven_nodes
   use amontons_deck_structure, only: is_shell, structural_face, OTHER_LAYER
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, &
     report_note, read_real, read_integer, check_n_fields, &
@@ -68,6 +69,9 @@ contains
       reader%cards%cards(c)%line, 'With USER the routine DISP gives the displacements, without AMPLITUDE or FIXED.')
     common%is_velocity = parameter_word(parameters, 'TYPE', 'DISPLACEMENT') == 'VELOCITY'
     if (common%is_velocity) call check_velocity(reader, model, c, common)
+    call read_global_step(reader, c, parameters, step, common%global_step)
+    common%is_time_scaled = has_parameter(parameters, 'TIMESCALE')
+    if (has_parameter(parameters, 'SUBMODEL') .and. common%global_step == 0) return      ! reported
     n_changed = 0
     do while (next_row(reader%cards, row))
       call read_boundary_row(reader, model, row, step, common, active_loads, n_changed)
@@ -109,6 +113,7 @@ contains
     new%line = reader%cards%line_number(row%line)
     call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
     call read_dofs(reader, row, is_fixed, new%end, is_word, is_ok)
+    if (is_ok .and. common%global_step /= 0) call check_driven_row(reader, model, row, nodes, is_fixed, new%end, is_ok)
     if (.not. is_ok) return
     n_passed = 0
     do i = 1, size(nodes)
@@ -127,6 +132,24 @@ contains
       call report_note(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom 4 to 6 are passed over.')
     end if
   end subroutine read_boundary_row
+
+
+  !> Reports what a row of displacements by a global model cannot have.
+  subroutine check_driven_row(reader, model, row, nodes, is_fixed, value, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: nodes(:)
+    logical, intent(in) :: is_fixed(6)
+    real(DP), intent(in) :: value                !< the fourth field [length]
+    logical, intent(inout) :: is_ok
+    call check_driven_nodes(reader, model, row, nodes, is_ok)
+    if (any(is_fixed(4:)) .or. abs(value) > 0) then
+      call report_error(reader, row%line, 'A global model gives the displacements 1 to 3 of its solids: write node or node ' // &
+        'set, first and last degree of freedom (1 to 3), and no value.')
+      is_ok = .false.
+    end if
+  end subroutine check_driven_row
 
 
   !> The node and direction of a degree of freedom: 4 to 6 of a reference node are the displacements of its rotation node.

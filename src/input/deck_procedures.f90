@@ -253,6 +253,8 @@ contains
       'proportional to its load factor, and those of earlier steps are constant: leave out AMPLITUDE, or give the load again.')
     if (any(step%distributed%is_user) .or. any(step%prescribed%is_user)) call report_error(reader, line, 'The loads of a RIKS ' // &
       'step are proportional to its load factor, which user routines do not get: give their values in the deck.')
+    if (any(step%prescribed%global_step /= 0)) call report_error(reader, line, 'The loads of a RIKS step are proportional to ' // &
+      'its load factor, which a global model does not give: use *STATIC for a submodel.')
     if (any([(abs(step%temperatures%end - step%temperatures%start) > 0)])) call report_error(reader, line, 'Temperatures ' // &
       'do not change in a RIKS step: give them in a step before it.')
     if (allocated(step%interference)) call report_error(reader, line, 'An interference that is resolved over the step needs a ' // &

@@ -41,6 +41,8 @@ module amontons_deck_reader
     type(time_list_type), allocatable :: time_lists(:)
     type(label_table_type) :: node_labels, element_labels
     type(label_table_type) :: draft_element_labels       !< all elements of the deck, also those that are no solids
+    integer, allocatable :: submodel_of(:)       !< (n_nodes) SUBMODEL card of a node, 0: none; unallocated: there are none
+    logical :: has_bad_submodels = .false.       !< errors in the nodes of SUBMODEL cards were reported; consequences are not
     logical, allocatable :: node_set_repeats(:)      !< (node sets) the deck names a member more than once
     logical, allocatable :: element_set_repeats(:)   !< (element sets) the same
     logical, allocatable :: has_omitted_elements(:)     !< (element sets) it contains dropped elements that are not solids

@@ -24,6 +24,7 @@ module amontons_deck_sets
     type(integer_list_type) :: cards             !< the cards that add members
     integer :: state = SET_UNRESOLVED
     integer, allocatable :: members(:)
+    logical :: is_of_global_model = .false.      !< GLOBAL ELSET of SUBMODEL: its numbers need not be elements of this deck
     logical :: has_repeats = .false.             !< the deck names a member more than once
   end type pending_set_type
 
@@ -99,9 +100,26 @@ contains
         call move_alloc(larger, family%sets)
       end if
       if (is_new) family%sets(s)%name = name
+      if (is_new .and. .not. family%is_node) family%sets(s)%is_of_global_model = is_global_set(reader, name)
       call family%sets(s)%cards%add(c)
     end do
   end subroutine gather_family
+
+
+  !> Whether a SUBMODEL card names a set as that of the global model.
+  logical function is_global_set(reader, name)
+    type(reader_type), intent(in) :: reader
+    character(*), intent(in) :: name
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    integer :: c
+    is_global_set = .false.
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'SUBMODEL')) cycle
+      call open_card(reader, c, parameters, row)
+      is_global_set = is_global_set .or. name_key(parameter_text(parameters, 'GLOBAL ELSET')) == name_key(name)
+    end do
+  end function is_global_set
 
 
   !> Finds the members of all sets of a family.
@@ -263,7 +281,8 @@ contains
         n_found = n_found + 1
         call add_member(family, s, found, members)
       end do
-      if (n_found == 0) call report_note(reader, row%line, 'This range holds no ' // family%noun // ' that exists.')
+      if (n_found == 0 .and. .not. family%sets(s)%is_of_global_model) call report_note(reader, row%line, 'This range holds no ' &
+        // family%noun // ' that exists.')
     end do
   end subroutine add_ranges
 
@@ -309,8 +328,8 @@ contains
         if (status == NUMBER_OK) then
           found = family%labels%find(label)
           if (found > 0) call add_member(family, s, found, members)
-          if (found == 0) call reader%messages%add(row%line, 'There is no ' // family%noun // ' ' // to_text(label) // &
-            '.', is_warning=reader%dialect == DIALECT_CALCULIX)
+          if (found == 0 .and. .not. family%sets(s)%is_of_global_model) call reader%messages%add(row%line, 'There is no ' // &
+            family%noun // ' ' // to_text(label) // '.', is_warning=reader%dialect == DIALECT_CALCULIX)
         else if (status /= NUMBER_EMPTY) then
           found = family%names%find(field_text(reader%cards, row, i))
           if (found == 0 .or. found == s) cycle

@@ -6,6 +6,7 @@
 !! | new in this step | 0; a displacement: its current value | its value |
 !! | given again in this step | value at the end of the last step | its new value; forces of one step add up |
 !! | a velocity: kept or given | the displacement at the start of the step | after its integral over the step |
+!! | a displacement of a global model (SUBMODEL) | its current value | by the results; kept: as it is then |
 !! | kept from the last step | value at the end of that step | the same |
 !! | OP=NEW, not given again | displacement: released; load: value at the end of the last step | load: 0 |
 !! | STEP, AMPLITUDE=STEP | the value at the end | |
@@ -112,6 +113,10 @@ contains
         held%was_active = held%is_active
         held%is_from_current = .false.
         if (active_loads%step == 1) cycle            ! of the model: ramps to its value over the first step
+        if (held%global_step /= 0) then              ! the global model no longer moves it
+          held%global_step = 0
+          held%is_held = .true.
+        end if
         call freeze_load(model, period, total_time, held%load_type, held%before)
       end associate
     end do
@@ -239,7 +244,7 @@ contains
         held%is_from_current = .false.
       end if
       if (new%is_velocity) held%start = new%end     ! the velocity is constant unless it has an amplitude
-      if (new%is_held) held%is_from_current = .true.
+      if (new%is_held .or. new%global_step /= 0) held%is_from_current = .true.
       held%step = step
       held%is_active = .true.
     end associate
@@ -252,6 +257,7 @@ contains
     type(prescribed_type), intent(in) :: new
     logical :: differs
     differs = abs(held%end - new%end) > 0 .or. held%amplitude /= new%amplitude .or. (held%is_held .neqv. new%is_held) &
+      .or. held%global_step /= new%global_step &
       .or. (held%is_user .neqv. new%is_user) .or. (held%is_velocity .neqv. new%is_velocity)
   end function is_different
 

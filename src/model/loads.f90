@@ -56,6 +56,9 @@ module amontons_loads
     logical :: is_held = .false.                 !< FIXED: keeps the displacement that it has at the start of the step
     logical :: is_velocity = .false.             !< TYPE=VELOCITY: its integral from the displacement at the start of the step
     logical :: is_from_current = .false.         !< starts from the displacement at the start of the step instead of `start`
+    integer :: global_step = 0                   !< SUBMODEL: step of the global model that gives its values, negative: data set;
+                                                 !! 0: none
+    logical :: is_time_scaled = .false.          !< TIMESCALE: the global step takes as long as this one
     logical :: is_balancing = .false.            !< of no card: holds a free motion and carries no force (`balanced_bodies`)
     integer :: line = 0                          !< line of the card in the deck, for messages
   end type prescribed_type
@@ -81,6 +84,10 @@ module amontons_loads
   !> The temperature of a node.
   type, extends(load_type) :: temperature_type
     integer :: node = 0
+    integer :: global_step = 0                   !< as of prescribed_type
+    integer :: line = 0                          !< of the card in the deck, for messages
+    logical :: is_time_scaled = .false.          !< as of prescribed_type
+    logical :: is_from_current = .true.          !< without an amplitude it starts from the temperature before the step
   end type temperature_type
 
   !> sum coefficient * u(node, dof) = 0. One of the first terms is eliminated.

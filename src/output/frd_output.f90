@@ -21,6 +21,7 @@ module amontons_frd_output
     FACET_LINE2, FACET_QUAD4, FACET_TRI3, FAMILY_MASS, FAMILY_RIGID, FAMILY_SOLID
   use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes
+  use amontons_frd_input, only: FRD_VALUES_PER_LINE
   use amontons_steps, only: frd_request_type, is_output_due, step_type, FRD_CELS, FRD_CONTACT, FRD_DISP, FRD_ENER, FRD_ERROR, &
     FRD_FORC, FRD_MESTRAIN, FRD_NDTEMP, FRD_PE, FRD_SDV, FRD_STRESS, FRD_THSTRAIN, FRD_TOSTRAIN, N_FRD
   use amontons_model, only: job_options_type, job_path, model_type, absent_elements, DIALECT_CALCULIX
@@ -39,7 +40,6 @@ module amontons_frd_output
   public :: frd_type, open_frd, write_frd_mesh, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
 
   real(DP), parameter :: TOL_EQUAL_PRESSURE = 1.0e-6_DP         !< relative difference of equal pressures [-]
-  integer, parameter :: FRD_VALUES_PER_LINE = 6              !< values
   integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
 
   !> An open file; unit 0: not open.

@@ -1,8 +1,9 @@
 !> HDF5 files: groups, attributes, data sets with unit and description, extendible tables, and crash-safe page writing.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Only this module and `amontons_virtual_data_sets` use HDF5. A file is opened without a file lock, so that a viewer can read it
-!! while the job runs: after `flush_hdf5` the file on disk is consistent, and existing data do not move while rows are added.
+!! Only this module, `amontons_hdf5_input` and `amontons_virtual_data_sets` use HDF5. A file is opened without a file lock, so that
+!! a viewer can read it while the job runs: after `flush_hdf5` the file on disk is consistent, and existing data do not move while
+!! rows are added.
 !! Closing a file closes all objects that are open in it.
 !!
 !! The file on disk changes from one consistent state to the next (overlay_shim.c): writes into the old state are kept in memory
@@ -29,6 +30,7 @@ module amontons_hdf5_file
   public :: open_hdf5, open_table, export_pages, apply_pages, repair_hdf5, discard_hdf5, hdf5_pages_type
   public :: create_hdf5, flush_hdf5, close_hdf5, create_group, write_attribute, write_data, create_table, append_rows
   public :: rank_of, extent_of, open_types, close_types, write_label, check_status      ! for amontons_virtual_data_sets
+  public :: set_no_lock
 
   ! Storage types of values in the file (little endian on every machine).
   integer, parameter :: STORAGE_REAL = 1            !< 64-bit reals
@@ -251,6 +253,14 @@ contains
     call h5pclose_f(access, unused)
     if (.not. store%is_open) call free_overlay(store)
   end subroutine start_file
+
+
+  !> Lets a file be opened without a lock.
+  subroutine set_no_lock(access)
+    integer(HID_T), intent(in) :: access          !< property list of file access
+    integer(c_int) :: unused
+    unused = h5pset_file_locking(access, .false._c_bool, .true._c_bool)
+  end subroutine set_no_lock
 
 
   !> Flushes everything written so far to disk; of a guarded file, to memory.

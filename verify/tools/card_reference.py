@@ -120,8 +120,8 @@ def plain(text: str) -> str:
 
 
 def example_files() -> list[Path]:
-    """The decks from which examples are cut, and the page on user routines, which has two cards more."""
-    return [*sorted((MANUAL / "examples").glob("*.inp")), *sorted((MANUAL / "examples").glob("*.mesh")), MANUAL / "user_routines.md"]
+    """The decks from which examples are cut, and the pages on user routines and submodels, which have cards more."""
+    return [*sorted((MANUAL / "examples").glob("*.inp")), *sorted((MANUAL / "examples").glob("*.mesh")), MANUAL / "user_routines.md", MANUAL / "submodels.md"]
 
 
 def find_examples() -> dict[str, tuple[Path, list[str]]]:

@@ -27,7 +27,7 @@ MAX_STEERING_CONTROLS = 50  #: constants of the nonlinear solver, beside the slo
 STEERING = re.compile(r"type :: (?:newton|globalization|subproblem|line_search|contact|cycling|increment)_controls_type\n(.*?)end type", re.DOTALL)
 MODULES_THAT_STOP = {"main"}
 MODULES_THAT_PRINT = {"main", "logger"}
-MODULES_THAT_SET_UP = {"model_setup", "user_routine_setup"}
+MODULES_THAT_SET_UP = {"model_setup", "user_routine_setup", "submodel_results"}
 FOLDERS_THAT_SET_UP = {"model", "expansion", "input"}
 
 PREFIX = r"(?:(?:pure|impure|elemental|recursive|non_recursive|module|(?:integer|real|logical|character|type|class)\s*\([^)]*\)|integer|real|logical)\s+)*"
