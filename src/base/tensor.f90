@@ -7,7 +7,7 @@ module amontons_tensor
   implicit none
   private
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
-  public :: cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
+  public :: trace, cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
   public :: rotation_matrix, moment_on_vector
   public :: pack_voigt, unpack_voigt, push_forward, double_dot, von_mises, symmetric_eigen, solve_normal_equations
 

@@ -12,7 +12,8 @@ module amontons_deck_initial_conditions
   use amontons_loads, only: temperature_type, load_value
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
-    HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, is_one_sided
+    HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, is_one_sided, &
+    is_law_of_invariants, law_name
   use amontons_model, only: model_type, with_pretension_copies, DIALECT_CALCULIX
   use amontons_structural_data, only: n_section_layers
   use amontons_text, only: to_text, name_key, parse_integer, NUMBER_OK, NUMBER_EMPTY
@@ -591,11 +592,13 @@ contains
         return
       end if
       if (model%mesh%material(elements(i)) > 0) then
-        if (is_one_sided(model%materials(model%mesh%material(elements(i)))) .and. what /= 'HARDENING') then
-          call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // &
-            ' carries tension or compression only; it can have no initial stress and no plastic strain.')
-          return
-        end if
+        associate (material => model%materials(model%mesh%material(elements(i))))
+          if ((is_one_sided(material) .or. is_law_of_invariants(material)) .and. what /= 'HARDENING') then
+            call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // &
+              ' has the law ''' // trim(law_name(material)) // '''; it can have no initial stress and no plastic strain.')
+            return
+          end if
+        end associate
       end if
       p = model%mesh%point_first(elements(i))
       last = model%mesh%point_first(elements(i) + 1) - 1

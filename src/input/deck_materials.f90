@@ -4,12 +4,12 @@ module amontons_deck_materials
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
+  use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
   use amontons_deck_property_tables, only: read_table, read_curves
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
-    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, &
-    ELASTIC_COMPRESSION_ONLY, is_linear_elastic, is_one_sided, HYPER_POLYNOMIAL, &
-    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
+    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, is_linear_elastic, &
+    HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
     CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
     CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
@@ -270,7 +270,7 @@ contains
   end subroutine find_table_variable
 
 
-  !> USER MATERIAL: the PROPS of UMAT. CalculiX has laws of its own for names that start with these words.
+  !> USER MATERIAL: the PROPS of UMAT. CalculiX has laws of its own for some names.
   subroutine read_user_material(reader, c, material)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
@@ -279,12 +279,9 @@ contains
     type(data_row_type) :: row
     integer :: n, status
     call open_card(reader, c, parameters, row)
-    if (reader%dialect == DIALECT_CALCULIX .and. .not. has_parameter(parameters, 'LIBRARY')) then
-      if (index(upper_case(material%name), 'TENSION_ONLY') == 1) material%elastic_kind = ELASTIC_TENSION_ONLY
-      if (index(upper_case(material%name), 'COMPRESSION_ONLY') == 1) material%elastic_kind = ELASTIC_COMPRESSION_ONLY
-    end if
-    if (is_one_sided(material)) then
-      call read_one_sided(reader, c, material)
+    if (reader%dialect == DIALECT_CALCULIX .and. .not. has_parameter(parameters, 'LIBRARY') .and. is_law_by_name(material%name)) &
+      then
+      call read_law_by_name(reader, c, material)
       return
     end if
     material%is_user = .true.
@@ -298,22 +295,6 @@ contains
     allocate (material%props(n), source=0.0_DP)
     call read_user_constants(reader, c, row, 'CONSTANTS', material%props)
   end subroutine read_user_material
-
-
-  !> The constants of a material that carries tension or compression only.
-  subroutine read_one_sided(reader, c, material)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                     !< index of the card
-    type(material_type), intent(inout) :: material
-    logical :: is_ok
-    if (material%has_elastic) call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name &
-      // ''' has a law of stress before this card; give one.')
-    material%has_elastic = .true.                ! errors of the card are reported below
-    call read_table(reader, c, 2, material%elastic, is_ok)
-    if (.not. is_ok) return
-    if (.not. all(material%elastic%value > 0)) call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // &
-      material%name // ''' needs a positive Young''s modulus and a positive largest stress of the side that does not carry.')
-  end subroutine read_one_sided
 
 
   !> DEPVAR: the number of the STATEV. Lines that name them are ignored.
@@ -372,138 +353,6 @@ contains
       end associate
     end do
   end subroutine finalize_materials
-
-
-  !> ELASTIC.
-  subroutine read_elastic(reader, c, material)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(material_type), intent(inout) :: material
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    integer :: i
-    logical :: is_ok
-    call open_card(reader, c, parameters, row)
-    material%has_elastic = .true.                ! errors of the card are reported below
-    select case (parameter_word(parameters, 'TYPE', 'ISO'))
-    case ('ISO', 'ISOTROPIC')
-      material%elastic_kind = ELASTIC_ISOTROPIC
-      call read_table(reader, c, 2, material%elastic, is_ok)
-      if (.not. is_ok) return
-      do i = 1, size(material%elastic%temperature)
-        call check_isotropic(reader, c, material%elastic%value(:, i))
-      end do
-      material%youngs_modulus = material%elastic%value(1, 1)
-      material%poissons_ratio = material%elastic%value(2, 1)
-    case ('ORTHO', 'ORTHOTROPIC', 'ENGINEERINGCONSTANTS')
-      material%elastic_kind = ELASTIC_ORTHOTROPIC
-      call read_table(reader, c, 9, material%elastic, is_ok)
-      if (is_ok .and. parameter_word(parameters, 'TYPE', '') == 'ENGINEERINGCONSTANTS') then
-        do i = 1, size(material%elastic%temperature)
-          call convert_constants(reader, c, material%elastic%value(:, i), is_ok)
-        end do
-      end if
-    case ('LAMINA')
-      material%elastic_kind = ELASTIC_ORTHOTROPIC
-      material%is_lamina = .true.
-      call read_table(reader, c, 6, material%elastic, is_ok)
-      if (.not. is_ok) return
-      associate (x => material%elastic%value)    ! E1, E2, nu12, G12, G13, G23; the thickness as direction 2, without nu13, nu23
-        material%elastic%value = reshape([(x(1, i), x(2, i), x(2, i), x(3, i), 0.0_DP, 0.0_DP, x(4:, i), i=1, size(x, 2))], &
-          [9, size(x, 2)])
-      end associate
-      do i = 1, size(material%elastic%temperature)
-        call convert_constants(reader, c, material%elastic%value(:, i), is_ok)
-      end do
-    case ('ANISO', 'ANISOTROPIC')
-      material%elastic_kind = ELASTIC_ANISOTROPIC
-      call read_table(reader, c, 21, material%elastic, is_ok)
-    case default
-      return                                     ! already reported by the check of the card
-    end select
-    if (material%elastic_kind /= ELASTIC_ISOTROPIC .and. is_ok) call check_definite(reader, c, material)
-  end subroutine read_elastic
-
-
-  !> Reports E and nu out of bounds.
-  subroutine check_isotropic(reader, c, constants)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    real(DP), intent(in) :: constants(2)
-    integer :: line
-    line = reader%cards%cards(c)%line
-    if (constants(1) <= 0) call report_error(reader, line, 'Young''s modulus must be positive.')
-    if (constants(2) <= -1 .or. constants(2) >= 0.5_DP) call report_error(reader, line, &
-      'Poisson''s ratio must be greater than -1 and less than 0.5; what hardly changes its volume has 0.49 or 0.4999, ' // &
-      'in elements that do not lock (see Elements in the manual).')
-  end subroutine check_isotropic
-
-
-  !> Engineering constants to the nine D. Reference: the inverse of the compliance 1/E_i, -nu_ij/E_i.
-  subroutine convert_constants(reader, c, x, is_ok)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    real(DP), intent(inout) :: x(9)              !< in: E1 E2 E3 nu12 nu13 nu23 G12 G13 G23; out: D1111 D1122 ...
-    logical, intent(inout) :: is_ok
-    real(DP) :: e(3), n12, n13, n23, n21, n31, n32, d
-    e = x(:3)
-    if (any(e <= 0) .or. any(x(7:9) <= 0)) then
-      call report_error(reader, reader%cards%cards(c)%line, 'Young''s and shear moduli must be positive.')
-      is_ok = .false.
-      return
-    end if
-    n12 = x(4)
-    n13 = x(5)
-    n23 = x(6)
-    n21 = n12 * e(2) / e(1)
-    n31 = n13 * e(3) / e(1)
-    n32 = n23 * e(3) / e(2)
-    d = 1 - n12 * n21 - n23 * n32 - n13 * n31 - 2 * n21 * n32 * n13
-    if (.not. d > 0) then
-      call report_error(reader, reader%cards%cards(c)%line, 'These Poisson''s ratios give an elasticity that is not ' // &
-        'positive.')
-      is_ok = .false.
-      return
-    end if
-    x(1) = e(1) * (1 - n23 * n32) / d
-    x(2) = e(1) * (n21 + n31 * n23) / d
-    x(3) = e(2) * (1 - n13 * n31) / d
-    x(4) = e(1) * (n31 + n21 * n32) / d
-    x(5) = e(2) * (n32 + n12 * n31) / d
-    x(6) = e(3) * (1 - n12 * n21) / d
-  end subroutine convert_constants
-
-
-  !> Reports an elasticity matrix that is not positive definite, by Cholesky's factors.
-  subroutine check_definite(reader, c, material)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(material_type), intent(in) :: material
-    real(DP) :: A(6, 6)
-    integer :: t, i, j, k
-    do t = 1, size(material%elastic%temperature)
-      A = 0
-      k = 0
-      do j = 1, 6
-        do i = 1, j
-          if (material%elastic_kind == ELASTIC_ORTHOTROPIC .and. j > 3 .and. i < j) cycle
-          k = k + 1
-          A(i, j) = material%elastic%value(k, t)
-          A(j, i) = A(i, j)
-        end do
-      end do
-      do k = 1, 6
-        if (.not. A(k, k) > 0) then
-          call report_error(reader, reader%cards%cards(c)%line, 'The elasticity is not positive definite: it would ' // &
-            'give energy away. Check the order of the constants.')
-          return
-        end if
-        do j = k + 1, 6
-          A(k + 1:, j) = A(k + 1:, j) - A(k + 1:, k) * (A(k, j) / A(k, k))
-        end do
-      end do
-    end do
-  end subroutine check_definite
 
 
   !> DENSITY: rho > 0 over the temperature.

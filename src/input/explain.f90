@@ -10,7 +10,7 @@ module amontons_explain
   use amontons_deck_reader, only: reader_type
   use amontons_loads, only: DISTRIBUTED_PRESSURE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
-    ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, LAW_SAINT_VENANT, law_name
+    ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, LAW_SAINT_VENANT, law_name
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     ROUGH_FRICTION, NO_SHEAR_LIMIT
@@ -294,6 +294,10 @@ contains
       text = 'rubber of order ' // to_text(material%hyper_order) // ', constants'
     case (ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY)
       text = trim(law_name(material)) // ', E and largest stress of the other side'
+    case (ELASTIC_CIARLET)
+      text = 'Ciarlet, E and nu'
+    case (ELASTIC_FIBRES)
+      text = 'rubber with fibres, C1, D1, and two components of the direction, k1, k2 of each fibre'
     case (ELASTIC_FOAM)
       text = 'foam of order ' // to_text(material%hyper_order) // ', constants'
     end select

@@ -1,34 +1,31 @@
 !> Constitutive update at an integration point: stress, tangent, energy and history of every material law.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Stress and history are updated from the committed history, never from a trial one. Materials with E and nu only are
-!! evaluated by `elasticity`. All other laws are of one of two types, in terms of their strain:
+!! Materials with E and nu only are evaluated by `elasticity`. All other laws are of one of two types, in terms of their strain:
 !!
 !! | sort | strain at finite strain |
 !! |---|---|
 !! | six strains to six stresses: linear elasticity with axes, kinematic hardening, deformation plasticity | ln(C)/2 |
-!! | the same for linear elasticity under LAW_SAINT_VENANT (calculix dialect) | Green's strain |
+!! | the same for linear elasticity and laws of invariants under LAW_SAINT_VENANT (calculix dialect) | Green's strain |
 !! | the same for deformation plasticity under LAW_SAINT_VENANT | Almansi's strain, with Cauchy's stress |
 !! | isotropic: linear elasticity, isotropic hardening, creep, rubber, foam | logarithms of the elastic stretches |
 !! | plasticity and creep under LAW_SAINT_VENANT | the isochoric elastic b (Simo), as CalculiX |
 !!
-!! Initial stresses and given plastic strains are treated as initial inelastic strains. Theory:
-!! doc/theory/materials.md.
+!! Initial stresses and given plastic strains are treated as initial inelastic strains. Theory: doc/theory/materials.md.
 module amontons_material_point
   use amontons_kinds, only: DP
   use amontons_hyperelasticity, only: principal_response_type, evaluate_rubber, evaluate_foam
   use amontons_logarithmic_strain, only: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, &
-    tensor_log, tensor_exp, find_small_principal_strains, small_principal_tangent, &
-    principal_strains_type, find_principal_strains, left_cauchy_green, tensor_from_principal, principal_tangent, expm1, log1p, &
-    coth_divided_difference, NEXT_AXIS
+    tensor_log, tensor_exp, find_small_principal_strains, small_principal_tangent, principal_strains_type, left_cauchy_green, &
+    find_principal_strains, tensor_from_principal, principal_tangent, expm1, log1p
   use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
-    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, &
-    ELASTIC_COMPRESSION_ONLY, is_hyperelastic, is_one_sided, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, &
-    HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL, YIELD_ROUND
+    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, &
+    ELASTIC_CIARLET, ELASTIC_FIBRES, is_hyperelastic, is_one_sided, is_law_of_invariants, MAX_CONSTANTS, MAX_HISTORY, &
+    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL, YIELD_ROUND
+  use amontons_invariant_elasticity, only: invariant_law_stress, invariant_law_at_rest
   use amontons_one_sided_elasticity, only: one_sided_stress
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
-    is_inelastic, &
-    evaluate_ramberg_osgood, RETURN_OK
+    is_inelastic, evaluate_ramberg_osgood, RETURN_OK
   use amontons_drucker_prager, only: map_cone_return
   use amontons_lode_angle_return, only: principal_return_type, map_principal_return
   use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, green_strain_of_stretch, almansi_strain, &
@@ -38,8 +35,8 @@ module amontons_material_point
   use amontons_user_material, only: umat_point_type, evaluate_umat
   implicit none
   private
-  public :: SQRT_3_2
-  public :: material_point_type, update_material_point, elastic_strain_from_stress, evaluate_thermal_strain, evaluate_orientation
+  public :: material_point_type, update_material_point, elastic_strain_from_stress, evaluate_thermal_strain, &
+    evaluate_orientation, SQRT_3_2
 
   !> Input and output of a material point. The committed history is read, never written.
   type :: material_point_type
@@ -188,6 +185,8 @@ contains
         moduli%lambda = rest%slope(1, 2)
       case (ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY)
         moduli%G = constants(1) / 4                ! at rest half of E carries, without a Poisson effect
+      case (ELASTIC_CIARLET, ELASTIC_FIBRES)
+        call invariant_law_at_rest(material%elastic_kind, constants, moduli%lambda, moduli%G)
       case default
         moduli%is_isotropic = .false.
         Q = voigt_transformation(point%frame)
@@ -294,6 +293,9 @@ contains
       call evaluate_deformation_plasticity(moduli, elastic, point, status)
     else if (is_one_sided(material)) then
       call one_sided_stress(material%elastic_kind, moduli%constants, elastic, point%stress, point%tangent, point%energy)
+    else if (is_law_of_invariants(material)) then
+      call invariant_law_stress(material%elastic_kind, moduli%constants, point%frame, elastic, point%stress, point%tangent, &
+        point%energy, status)
     else if (moduli%is_isotropic) then
       point%stress = hooke_stress(moduli%lambda, moduli%G, elastic)
       point%tangent = isotropic_tangent(moduli%lambda, moduli%G)

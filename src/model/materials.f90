@@ -10,7 +10,8 @@ module amontons_materials
     evaluate_curve, find_interval
   public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
-    ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, is_linear_elastic, is_hyperelastic, is_one_sided
+    ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, is_linear_elastic, is_hyperelastic, &
+    is_one_sided, is_law_of_invariants
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
@@ -29,6 +30,8 @@ module amontons_materials
   integer, parameter :: ELASTIC_FOAM = 5        !< strain energy of a compressible foam
   integer, parameter :: ELASTIC_TENSION_ONLY = 6       !< E, largest compressive stress
   integer, parameter :: ELASTIC_COMPRESSION_ONLY = 7   !< E, largest tensile stress
+  integer, parameter :: ELASTIC_CIARLET = 8     !< E, nu
+  integer, parameter :: ELASTIC_FIBRES = 9      !< C1, D1, then of each fibre two components of its direction, k1, k2
 
   integer, parameter :: HYPER_POLYNOMIAL = 1    !< C_ij, i + j = 1 to N, as 10 01 20 11 02 30 ..., then D_1 to D_N
   integer, parameter :: HYPER_OGDEN = 2         !< mu_1 alpha_1 ... mu_N alpha_N, then D_1 to D_N; foam: nu_i for D_i
@@ -243,6 +246,13 @@ contains
   end function is_one_sided
 
 
+  !> Whether the elastic energy is one of the invariants of the right Cauchy-Green tensor.
+  pure logical function is_law_of_invariants(material)
+    type(material_type), intent(in) :: material
+    is_law_of_invariants = material%elastic_kind == ELASTIC_CIARLET .or. material%elastic_kind == ELASTIC_FIBRES
+  end function is_law_of_invariants
+
+
   !> The name of the law of a material.
   pure function law_name(material) result(words)
     type(material_type), intent(in) :: material
@@ -264,6 +274,10 @@ contains
       words = 'tension only'
     case (ELASTIC_COMPRESSION_ONLY)
       words = 'compression only'
+    case (ELASTIC_CIARLET)
+      words = 'Ciarlet'
+    case (ELASTIC_FIBRES)
+      words = 'rubber with fibres'
     case (ELASTIC_FOAM)
       words = 'hyperfoam'
     case (ELASTIC_HYPER)

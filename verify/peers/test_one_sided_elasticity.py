@@ -1,5 +1,5 @@
-"""Materials that carry tension only or compression only against CalculiX itself (ccx), where it is installed: a thin sheet that
-wrinkles under shear, and a cantilever of cracked concrete with a sheet of steel in it.
+"""Elastic laws that CalculiX takes by the name of the material, against CalculiX itself (ccx), where it is installed: a thin sheet
+that wrinkles under shear, a cantilever of cracked concrete with a sheet of steel in it, and sheared cubes of the other laws.
 
 SPDX-License-Identifier: GPL-3.0-or-later
 """
@@ -88,3 +88,27 @@ def test_cracked_cantilever(run_deck: RunDeck, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     of_shell = read_dat(tmp_path / "job.dat")[-1].rows
     assert next(iter(of_shell.values()))[2] == pytest.approx(deflection, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "constants"),
+    [
+        ("CIARLET_EL", ["210000., 0.3"]),
+        ("LIN_ISO_EL_STEEL", ["210000., 0.3"]),
+        ("ELASTIC_FIBER", ["1.9, 0.026, 0.8, 0., 2.4, 0.8, -.6, .5", "3., 0.4"]),
+    ],
+)
+@pytest.mark.parametrize("step", ["*STEP", "*STEP, NLGEOM"])
+def test_sheared_cube(run_deck: RunDeck, tmp_path: Path, name: str, constants: list[str], step: str) -> None:
+    """Cubes whose lower side is held and whose upper side is moved along and across, in turned axes of the material: displacements
+    and forces agree as they are printed."""
+    body = as_kind(block(between(0, 1, 2), between(0, 1, 2), between(0, 1, 2), "BODY"), "C3D20R")
+    low, high = body.where(2, 0.0), body.where(2, 1.0)
+    number = sum(line.count(",") + 1 for line in constants)
+    deck = body.cards() + node_set("LOW", low) + node_set("HIGH", high) + f"*MATERIAL, NAME={name}\n*USER MATERIAL, CONSTANTS={number}\n"
+    deck += "\n".join(constants) + f"\n*ORIENTATION, NAME=TURNED\n0.8, 0.6, 0., -0.6, 0.8, 0.\n*SOLID SECTION, ELSET=ALL, MATERIAL={name}, ORIENTATION=TURNED\n"
+    deck += f"*BOUNDARY\nLOW, 1, 3\n{step}\n*STATIC\n.25, 1.\n*BOUNDARY\nHIGH, 1, 1, 0.2\nHIGH, 2, 2, -0.1\nHIGH, 3, 3, 0.1\n"
+    ours, theirs = by_both(run_deck, tmp_path, deck + "*NODE PRINT, NSET=HIGH\nRF\n*END STEP\n")
+    largest = max(abs(f) for row in theirs.values() for f in row)
+    for node, force in theirs.items():
+        assert ours[node] == pytest.approx(force, rel=0, abs=1e-5 * largest)

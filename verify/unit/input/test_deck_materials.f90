@@ -4,7 +4,7 @@ program test_deck_materials
   use amontons_kinds, only: DP
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
-  use amontons_materials, only: ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
+  use amontons_materials, only: ELASTIC_HYPER, ELASTIC_FOAM, &
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
     SYSTEM_CYLINDRICAL, HISTORY_PEEQ, HISTORY_INELASTIC, HISTORY_BACK
   use amontons_model, only: model_type, job_options_type, DIALECT_CALCULIX, DIALECT_ABAQUS
@@ -18,7 +18,7 @@ program test_deck_materials
   character(*), parameter :: STEP = '*STEP;*STATIC;*END STEP;'
   type(suite_type) :: suite
 
-  call check_elastic()
+  call check_plain()
   call check_expansion()
   call check_plastic()
   call check_creep()
@@ -78,60 +78,15 @@ contains
   end subroutine bad
 
 
-  subroutine check_elastic()
+  subroutine check_plain()
     type(model_type) :: model
-    real(DP) :: e, nu
     call good(NODES // STEEL // SECTION // STEP, model)
     call suite%that('plain', model%materials(1)%is_linear_isotropic .and. model%materials(1)%n_history == 0)
     call good(NODES // MATERIAL // '*ELASTIC;200.,.3,0.;100.,.2,50.;' // SECTION // STEP, model)
     call suite%that('a table is not plain', .not. model%materials(1)%is_linear_isotropic)
-    call suite%near('table', maxval(abs(model%materials(1)%elastic%value(:, 2) - [100.0_DP, 0.2_DP])), 0.0_DP, 0.0_DP)
-    call good(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;9.,1.,8.,2.,3.,7.,4.,5.;6.,20.;' // SECTION // STEP, model)
-    call suite%that('ORTHO', model%materials(1)%elastic_kind == ELASTIC_ORTHOTROPIC)
-    call suite%near('D2323', model%materials(1)%elastic%value(9, 1), 6.0_DP, 0.0_DP)
-    call suite%near('its temperature', model%materials(1)%elastic%temperature(1), 20.0_DP, 0.0_DP)
-    e = 200
-    nu = 0.3_DP
-    call good(NODES // MATERIAL // '*ELASTIC,TYPE=ENGINEERING CONSTANTS;200.,200.,200.,.3,.3,.3,70.,71.;72.;' // &
-      SECTION // STEP, model)
-    associate (D => model%materials(1)%elastic%value(:, 1))
-      call suite%near('constants: D1111', D(1), e * (1 - nu) / ((1 + nu) * (1 - 2 * nu)), 1e-12_DP)
-      call suite%near('constants: D1122 ... D2233', maxval(abs(D([2, 4, 5]) - e * nu / ((1 + nu) * (1 - 2 * nu)))), &
-        0.0_DP, 1e-12_DP)
-      call suite%near('constants: G', maxval(abs(D(7:) - [70.0_DP, 71.0_DP, 72.0_DP])), 0.0_DP, 0.0_DP)
-    end associate
-    call check_compliance()
-    call good(NODES // MATERIAL // '*ELASTIC,TYPE=ANISO;9.,1.,8.,2.,3.,7.,0.,0.;0.,4.,0.,0.,0.,0.,5.,0.;0.,0.,0.,0.,' // &
-      '6.;' // SECTION // STEP, model)
-    call suite%that('ANISO', model%materials(1)%elastic_kind == ELASTIC_ANISOTROPIC)
-    call bad(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;9.,1.,8.,2.,3.,7.,4.,5.;' // SECTION // STEP, 'only 8 are there')
-    call bad(NODES // MATERIAL // '*ELASTIC,TYPE=ORTHO;1.,2.,1.,0.,0.,1.,4.,5.;6.;' // SECTION // STEP, 'definite')
-    call bad(NODES // MATERIAL // '*ELASTIC,TYPE=ENGINEERING CONSTANTS;1.,1.,1.,.9,.9,.9,1.,1.;1.;' // SECTION // STEP, &
-      'not positive')
-    call bad(NODES // MATERIAL // '*ELASTIC,TYPE=ENGINEERING CONSTANTS;0.,1.,1.,.1,.1,.1,1.,1.;1.;' // SECTION // STEP, &
-      'must be positive')
     call bad(NODES // MATERIAL // '*DENSITY;1.,0.;-2.,10.;*ELASTIC;1.,.3;' // SECTION // STEP, 'must be positive')
     call bad(NODES // MATERIAL // SECTION // STEP, 'has no *ELASTIC')
-  end subroutine check_elastic
-
-
-  !> Three different moduli: the nine D are the inverse of the compliance.
-  subroutine check_compliance()
-    type(model_type) :: model
-    real(DP) :: C(3, 3), S(3, 3), unit(3, 3)
-    call good(NODES // MATERIAL // '*ELASTIC,TYPE=ENGINEERING CONSTANTS;100.,50.,20.,.2,.3,.1,7.,8.;9.;' // SECTION // &
-      STEP, model)
-    associate (D => model%materials(1)%elastic%value(:, 1))
-      C = reshape([D(1), D(2), D(4), D(2), D(3), D(5), D(4), D(5), D(6)], [3, 3])
-    end associate
-    S = reshape([1 / 100.0_DP, -0.002_DP, -0.003_DP, -0.002_DP, 1 / 50.0_DP, -0.002_DP, -0.003_DP, -0.002_DP, &
-      1 / 20.0_DP], [3, 3])
-    unit = 0
-    unit(1, 1) = 1
-    unit(2, 2) = 1
-    unit(3, 3) = 1
-    call suite%near('compliance', maxval(abs(matmul(C, S) - unit)), 0.0_DP, 1e-12_DP)
-  end subroutine check_compliance
+  end subroutine check_plain
 
 
   subroutine check_expansion()
