@@ -25,6 +25,7 @@ complete -c amontons -l partitions -x -a '2 4 8 16' -d 'divide grid and fields o
 complete -c amontons -l dialect -x -a 'abaqus calculix' -d 'what a card means where the two differ'
 complete -c amontons -l frd -d 'write all fields to job.frd too'
 complete -c amontons -l oldjob -x -a '(__amontons_files res)' -d 'job from whose restart file the deck continues'
+complete -c amontons -l global -x -a '(__amontons_files vtkhdf frd)' -d 'results of the global model of a submodel'
 complete -c amontons -l user -x -a '(__amontons_files f f90 F90 so)' -d 'routines of the user'
 complete -c amontons -l progress -x -a 'auto plain none' -d 'a line per increment'
 complete -c amontons -l quiet -d 'write nothing but failures'

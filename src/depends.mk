@@ -273,7 +273,7 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_contact_checks = model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
-uses_submodel_results = kinds text errors logger element_kinds loads steps submodels model mesh_point_search global_results
+uses_submodel_results = kinds text errors posix logger element_kinds loads steps submodels model mesh_point_search global_results
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
 uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies submodel_results user_routine_setup
 uses_driven_loads = kinds text errors loads steps model

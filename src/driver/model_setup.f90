@@ -38,7 +38,9 @@ contains
     character(:), allocatable :: text
     call open_user_routines(model, options, error)
     if (allocated(error)) return
-    call drive_submodels(model, options, logger, error)
+    !$omp critical (result_files)
+    call drive_submodels(model, options, logger, error)      ! HDF5 serves one thread at a time
+    !$omp end critical (result_files)
     if (allocated(error)) return
     call add_ties(model, error)
     if (allocated(error)) return

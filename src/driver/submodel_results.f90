@@ -5,7 +5,7 @@
 !! outside take those of the nearest point. The history of the global step becomes a table over the step time for each
 !! displacement; under the calculix dialect, as in CalculiX, the last increment of the step is approached linearly.
 module amontons_submodel_results
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_element_kinds, only: N_SOLID_KINDS
   use amontons_global_results, only: global_results_type, global_frame_type, open_global_results, close_global_results, &
@@ -14,6 +14,7 @@ module amontons_submodel_results
   use amontons_logger, only: logger_type
   use amontons_mesh_point_search, only: located_point_type, locate_points, mean_element_size
   use amontons_model, only: model_type, job_options_type, dof_direction, DIALECT_CALCULIX
+  use amontons_posix, only: continue_checksum
   use amontons_steps, only: TOL_STOP_TIME
   use amontons_submodels, only: submodel_type
   use amontons_text, only: to_text, plural, verb
@@ -146,7 +147,8 @@ contains
         'this deck of solids. Both must be of solids, or both of plane or axisymmetric elements.')
       return
     end if
-    call select_elements(model%submodels(s), results, kind, first, nodes, error)
+    call select_elements(model%submodels(s), results, model%dialect == DIALECT_CALCULIX .or. results%is_frd, kind, first, nodes, &
+      error)
     if (allocated(error)) return
     call locate_points(kind, first, nodes, results%coordinates, model%mesh%coordinates(:, driven%nodes), driven%located)
     associate (submodel => model%submodels(s))
@@ -159,9 +161,10 @@ contains
 
 
   !> The global elements that count.
-  subroutine select_elements(submodel, results, kind, first, nodes, error)
+  subroutine select_elements(submodel, results, is_set_of_deck, kind, first, nodes, error)
     type(submodel_type), intent(in) :: submodel
     type(global_results_type), intent(in) :: results
+    logical, intent(in) :: is_set_of_deck            !< a set of the deck comes before one of the file
     integer, allocatable, intent(out) :: kind(:), first(:), nodes(:)
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: labels(:)
@@ -173,12 +176,12 @@ contains
       nodes = results%nodes
       return
     end if
-    if (allocated(submodel%global_labels)) then
-      labels = submodel%global_labels
-    else
+    if (.not. (allocated(submodel%global_labels) .and. is_set_of_deck)) then
       call find_global_set(results, submodel%global_elset, labels, error)
-      if (allocated(error)) return
+      if (allocated(error) .and. .not. allocated(submodel%global_labels)) return
+      if (allocated(error)) deallocate (error)
     end if
+    if (.not. allocated(labels)) labels = submodel%global_labels
     is_wanted = [(is_in(results%element_label(e)), e=1, size(results%kind))]
     kind = pack(results%kind, is_wanted)
     if (size(kind) == 0) call set_error(error, EXIT_SETUP, 'GLOBAL ELSET=' // submodel%global_elset // ' has ' // &
@@ -278,6 +281,7 @@ contains
         history%is_scaled = loads(k)%is_time_scaled
         call read_history(model, i, results, driven, GLOBAL_DISPLACEMENT, history, logger, error)
         if (allocated(error)) return
+        model%deck_checksum = continue_checksum(model%deck_checksum, transfer(history%values, [0_I64]))
         do k = k, size(loads)
           if (is_done(k) .or. loads(k)%global_step /= history%step .or. (loads(k)%is_time_scaled .neqv. history%is_scaled)) cycle
           direction = dof_direction(model, loads(k)%node, loads(k)%dof)
@@ -316,6 +320,7 @@ contains
         history%is_scaled = loads(k)%is_time_scaled
         call read_history(model, i, results, driven, GLOBAL_TEMPERATURE, history, logger, error)
         if (allocated(error)) return
+        model%deck_checksum = continue_checksum(model%deck_checksum, transfer(history%values, [0_I64]))
         do k = k, size(loads)
           if (is_done(k) .or. loads(k)%global_step /= history%step .or. (loads(k)%is_time_scaled .neqv. history%is_scaled)) cycle
           call set_load(history%time, history%values(1, driven%at(loads(k)%node), :), loads(k)%load_type, amplitudes, n_used)
@@ -326,7 +331,7 @@ contains
   end subroutine drive_temperatures
 
 
-  !> One value alone is approached linearly; a history becomes an amplitude of magnitudes.
+  !> One value alone is approached linearly; a history becomes an amplitude of its value of the largest magnitude.
   pure subroutine set_load(time, values, load, amplitudes, n_used)
     real(DP), intent(in) :: time(:), values(:)       !< step times and values
     type(load_type), intent(inout) :: load
@@ -340,13 +345,13 @@ contains
     n_used = n_used + 1
     associate (amplitude => amplitudes(n_used))
       amplitude%name = ''
-      amplitude%is_absolute = .true.
       amplitude%shape = AMPLITUDE_TABLE
       amplitude%time = time
       amplitude%factor = values
+      load%end = values(maxloc(abs(values), dim=1))
+      if (abs(load%end) > 0) amplitude%factor = values / load%end
     end associate
     load%amplitude = n_used
-    load%end = values(maxloc(abs(values), dim=1))    ! the size of the load, for estimates of the motion
   end subroutine set_load
 
 
@@ -529,11 +534,22 @@ contains
           if (load%global_step /= 0) is_driven(load%node) = .true.
           if (is_driven(load%node) .and. load%amplitude == 0) load%start = merge(now(load%node), load%end, &
             load%is_from_current .or. load%global_step /= 0)
-          if (load%global_step /= 0 .and. load%amplitude > 0) model%amplitudes(load%amplitude)%factor(1) = now(load%node)
+          if (load%global_step /= 0 .and. load%amplitude > 0) call start_from(now(load%node), load, &
+            model%amplitudes(load%amplitude))
           now(load%node) = load_value(load, model%amplitudes, period, total_time, model%steps(i)%period)
         end associate
       end do
     end do
   end subroutine chain_temperatures
+
+
+  !> Sets the first value of a history.
+  pure subroutine start_from(value, load, amplitude)
+    real(DP), intent(in) :: value
+    class(load_type), intent(inout) :: load
+    type(amplitude_type), intent(inout) :: amplitude
+    if (.not. abs(load%end) > 0) load%end = value    ! all others are 0
+    if (abs(load%end) > 0) amplitude%factor(1) = value / load%end
+  end subroutine start_from
 
 end module amontons_submodel_results

@@ -20,7 +20,7 @@ contains
     call table%option('INPUT|GLOBAL', VALUE_TEXT, 'File with the results of the global model, beside the deck or in the ' // &
       'working directory: .vtkhdf of Amontons, .frd of Amontons or CalculiX.', default='that of globalmodel=')
     call table%option('GLOBAL ELSET', VALUE_NAME, 'Elements of the global model that count: an *ELSET of their numbers in ' // &
-      'this deck, or else a set of the .vtkhdf file.', default='all')
+      'this deck, or a set of the .vtkhdf file, which comes first in the abaqus dialect.', default='all')
     call table%option('EXTERIOR TOLERANCE', VALUE_REAL, 'A driven node may be so far outside the global model, over the mean ' // &
       'size of its elements; it takes the values of the nearest point.', default='0.05; calculix dialect: any')
     call table%option('ABSOLUTE EXTERIOR TOLERANCE', VALUE_REAL, 'The same as a distance; with both the smaller counts.', &

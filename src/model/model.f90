@@ -62,7 +62,7 @@ module amontons_model
     integer :: dialect = DIALECT_ABAQUS
     character(:), allocatable :: heading        !< text of *HEADING, lines joined by newline
     character(:), allocatable :: deck_text      !< all lines read, includes in place, joined by newline; until the job has started
-    integer(I64) :: deck_checksum = 0           !< of this text
+    integer(I64) :: deck_checksum = 0           !< of this text, and of what submodels take from global models
     type(mesh_type) :: mesh
     type(structure_type), allocatable :: structure    !< shells, membranes and beams before expansion; unallocated: there are none
     type(material_type), allocatable :: materials(:)

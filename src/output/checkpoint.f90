@@ -266,7 +266,7 @@ contains
     call packer%exchange(deck)
     if (deck /= model%deck_checksum) then
       call set_error(error, EXIT_IO, 'The deck is not the one of the checkpoint ' // path // ': it has been changed ' // &
-        'since the job was begun. Run the job from its start, without --resume.')
+        'since the job was begun, or the results of its global model have. Run the job from its start, without --resume.')
       return
     end if
     packer%n = N_HEADER_WORDS

@@ -5,7 +5,10 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,8 +17,8 @@ import pytest
 
 from verify.cases.proof import Case
 from verify.conftest import Run
-from verify.decks.solids import KINDS, Solids, prescribed
-from verify.decks.submodels import CARD, GRADIENT, REMOTE, block, homogeneous_global, plate_global, plate_submodel, submodel
+from verify.decks.solids import KINDS, Solids, node_set, prescribed
+from verify.decks.submodels import CARD, GRADIENT, LAW, REMOTE, block, homogeneous_global, plate_global, plate_submodel, submodel
 from verify.independent.results import read_field, read_results
 
 LOW, HIGH = np.zeros(3), np.array([4.0, 3.0, 2.0])
@@ -169,6 +172,12 @@ def test_global_element_set(run: Run, tmp_path: Path) -> None:
             run_job(run, tmp_path, "sub", submodel(small_block("C3D8"), f"*SUBMODEL, INPUT=global.vtkhdf{card}\nCUT\n{extra}", DRIVEN))
             results = read_results(tmp_path / "sub.vtkhdf")
             assert np.abs(results.displacements[-1] - factor * (results.points @ GRADIENT.T)).max() <= EXACT
+    own = "*ELSET, ELSET=SECOND\n1, 2\n"  # of this deck: the set of the file counts, unless the dialect is calculix
+    for options, factor in (((), 3.0), (("--dialect=calculix",), 1.0)):
+        run_job(run, tmp_path, "sub", submodel(small_block("C3D8"), f"*SUBMODEL, INPUT=global.vtkhdf, GLOBAL ELSET=SECOND\nCUT\n{own}", DRIVEN), *options)
+        results = read_results(tmp_path / "sub.vtkhdf")
+        at = np.flatnonzero(np.all(results.points < [2.0, 1.5, 1.0], axis=1) & (results.points[:, 0] < 0.71))  # in element 1
+        assert np.abs(results.displacements[-1] - factor * (results.points @ GRADIENT.T))[at].max() <= EXACT
 
 
 def test_shells_and_planes(run: Run, tmp_path: Path) -> None:
@@ -237,6 +246,49 @@ def test_restart(run: Run, tmp_path: Path) -> None:
     at = int(np.argmin(np.abs(rest.times - 1.0)))
     assert np.abs(rest.displacements[at] - whole.displacements[-1]).max() <= EXACT
     assert np.abs(rest.displacements[-1] - whole.displacements[-1]).max() <= EXACT
+
+
+def test_resume(run: Run, program: Path, tmp_path: Path) -> None:
+    """An interrupted job reads the results again and ends with the same bits; with other results it is not resumed."""
+    mesh = block("C3D8", (2, 2, 2), LOW, HIGH)
+    run_job(run, tmp_path, "global", homogeneous_global(mesh, FOLLOWED))
+    good = (tmp_path / "global.vtkhdf").read_bytes()
+    steps = "*STEP, NLGEOM, INC=200\n*STATIC, DIRECT\n0.0125, 1.\n*BOUNDARY, SUBMODEL, STEP=1\nCUT, 1, 3\n*END STEP\n"
+    deck = submodel(small_block("C3D8"), CARD.format("global.vtkhdf"), steps)
+    run_job(run, tmp_path, "whole", deck)
+    (tmp_path / "cut.inp").write_text(deck)
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    with subprocess.Popen([program, "cut"], cwd=tmp_path, env=environment, stdout=subprocess.DEVNULL) as job:
+        while not (tmp_path / "cut.restart").exists() and job.poll() is None:
+            time.sleep(0.005)
+        job.kill()
+    assert (tmp_path / "cut.restart").exists(), "the job was done before it was killed"
+    (tmp_path / "other.inp").write_text((tmp_path / "global.inp").read_text().replace("0.3\n", "0.2\n").replace("0.02", "0.021"))
+    assert run(["other"], cwd=tmp_path).returncode == 0
+    (tmp_path / "global.vtkhdf").write_bytes((tmp_path / "other.vtkhdf").read_bytes())
+    done = run(["--resume", "cut"], cwd=tmp_path)
+    assert done.returncode == 7
+    assert "or the results of its global model have" in re.sub(r"\s+", " ", done.stdout + done.stderr)
+    (tmp_path / "global.vtkhdf").write_bytes(good)
+    done = run(["--resume", "cut"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    whole, cut = read_results(tmp_path / "whole.vtkhdf"), read_results(tmp_path / "cut.vtkhdf")
+    assert np.array_equal(whole.displacements, cut.displacements)
+
+
+def test_parts(run: Run, tmp_path: Path) -> None:
+    """A deck with a part and an instance, as Abaqus/CAE writes it: *Submodel and *Boundary name sets of the assembly."""
+    mesh = block("C3D8", (2, 2, 2), LOW, HIGH)
+    run_job(run, tmp_path, "global", homogeneous_global(mesh, STEP))
+    sub = small_block("C3D8")
+    inner = sub.cards() + "*Solid Section, elset=ALL, material=M\n"
+    outer = node_set("CUT", sub.boundary_nodes()).replace("NSET=CUT", "NSET=CUT, INSTANCE=P-1")
+    deck = f"*Part, name=P\n{inner}*End Part\n*Assembly, name=A\n*Instance, name=P-1, part=P\n*End Instance\n{outer}*End Assembly\n"
+    deck += LAW.split("*SOLID")[0] + "*Submodel, type=NODE, exterior tolerance=0.05\nCUT,\n"
+    deck += "*Step, name=S\n*Static\n1., 1., 1e-05, 1.\n*Boundary, submodel, step=1\nCUT, 1, 1\nCUT, 2, 2\nCUT, 3, 3\n*End Step\n"
+    run_job(run, tmp_path, "sub", deck, "globalmodel=global.vtkhdf")
+    results = read_results(tmp_path / "sub.vtkhdf")
+    assert np.abs(results.displacements[-1] - results.points @ GRADIENT.T).max() <= EXACT
 
 
 def test_the_page_of_the_manual(run: Run, root: Path, tmp_path: Path) -> None:
