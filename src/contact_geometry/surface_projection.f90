@@ -15,7 +15,7 @@ module amontons_surface_projection
   use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, MAX_FACE_NODES
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
   use amontons_facets, only: facets_type, facet_nodes, facet_tangents, n_facet_corners, is_line_facet, is_hidden_behind, &
-    is_unseen, EDGE_FREE, EDGE_CONVEX
+    is_unseen, EDGE_FREE
   use amontons_facet_crossing, only: distance_along
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_analytic_master, only: projection_type, gap_derivatives_type, PROJECTION_INSIDE, PROJECTION_OUTSIDE, &
@@ -71,9 +71,8 @@ contains
   !> Tracks the projection of a point from a facet over its neighbours to the current facet.
   !!
   !! The walk crosses smooth edges and creases. At a free edge the facet has an extension zone of a tenth of its length (as in
-  !! Abaqus); beyond it the point is OUTSIDE. Where the normal jumps at every edge, a convex crease has that zone too, and the walk
-  !! tries its other side beyond. Unless the status is INSIDE, f is the last facet of the walk. A node with an extended edge has a
-  !! larger extension.
+  !! Abaqus); beyond it the point is OUTSIDE. Unless the status is INSIDE, f is the last facet of the walk. A node with an extended
+  !! edge has a larger extension.
   pure subroutine track_projection(facets, x, point, f, xi, g, n, status, extension)
     type(facets_type), intent(in) :: facets
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
@@ -470,19 +469,16 @@ contains
     real(DP), intent(in) :: extension            !< extension zone of the facet [-]
     integer, intent(inout) :: status             !< of the projection on this facet; out: OUTSIDE beyond the extension zone
     integer, intent(out) :: edge
-    logical :: is_out(4), is_open(4)
+    logical :: is_out(4)
     real(DP) :: kept  ! excess up to which the point stays on this facet although the master continues [-]
     edge = 0
     kept = merge(EDGE_HYSTERESIS, TOL_ON_EDGE, facets%is_faceted)
     if (facets%is_faceted .and. extension > EXTENSION_ZONE) kept = extension
-    is_open = facets%edge(:, f) /= EDGE_FREE .and. .not. (facets%edge(:, f) == EDGE_CONVEX .and. facets%is_faceted)
-    is_out = excess > kept
-    if (any(is_out .and. is_open)) then
-      edge = maxloc(excess, dim=1, mask=is_out .and. is_open)
-    else if (any(excess > extension)) then
-      is_out = is_out .and. facets%edge(:, f) == EDGE_CONVEX
-      if (any(is_out)) edge = maxloc(excess, dim=1, mask=is_out)
-      if (status == PROJECTION_INSIDE) status = PROJECTION_OUTSIDE
+    is_out = excess > kept .and. facets%edge(:, f) /= EDGE_FREE
+    if (any(is_out)) then
+      edge = maxloc(excess, dim=1, mask=is_out)
+    else if (any(excess > extension) .and. status == PROJECTION_INSIDE) then
+      status = PROJECTION_OUTSIDE
     end if
   end subroutine choose_crossed_edge
 
@@ -512,7 +508,7 @@ contains
   end function choose_nearer_projection
 
 
-  !> Whether the facet by itself contains the point: inside, or in the extension zone of a free edge or a convex crease.
+  !> Whether the facet by itself contains the point: inside, or in the extension zone of a free edge.
   pure function is_projection_inside(facets, projection) result(holds)
     type(facets_type), intent(in) :: facets
     type(projection_type), intent(in) :: projection
@@ -521,8 +517,7 @@ contains
     integer :: f
     f = projection%facet
     excess = find_edge_excess(facets%kind(f), projection%xi)
-    holds = all(excess <= TOL_ON_EDGE .or. &
-      (excess <= EXTENSION_ZONE .and. (facets%edge(:, f) == EDGE_FREE .or. facets%edge(:, f) == EDGE_CONVEX)))
+    holds = all(excess <= TOL_ON_EDGE .or. (excess <= EXTENSION_ZONE .and. facets%edge(:, f) == EDGE_FREE))
   end function is_projection_inside
 
 
