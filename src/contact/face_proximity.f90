@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_face_proximity
   use amontons_kinds, only: DP
+  use amontons_tensor, only: cross_product
   use amontons_exterior_surface, only: exterior_type, common_depth, reached_depth, is_thin, has_area
   use amontons_facets, only: facets_type
   use amontons_facet_search, only: facet_search_type, build_facet_search
@@ -14,6 +15,8 @@ module amontons_face_proximity
   public :: build_face_search, is_larger
 
   real(DP), parameter :: MAX_LATERAL_OFFSET = 1.0_DP       !< of the centres of near faces, over the sum of their edges [-]
+  real(DP), parameter :: BESIDE_DEPTH = 0.05_DP            !< faces may lie beside each other if behind by more, over an edge [-]
+  real(DP), parameter :: TOL_BESIDE = 1.0e-6_DP            !< a smaller overlap is rounding, over an edge [-]
 
 contains
 
@@ -118,6 +121,8 @@ contains
     depth = min(common_depth(face_depth(f, m), exterior%edge_length(f), exterior%thickness(m)), &
       common_depth(face_depth(m, f), exterior%edge_length(m), exterior%thickness(f)))
     are_near = front >= min(0.0_DP, height) - MAX_DEPTH_SHARE * depth - motion
+    if (are_near .and. front < min(0.0_DP, height) - BESIDE_DEPTH * minval(exterior%edge_length([f, m])) - motion) are_near = &
+      .not. are_beside(exterior, f, m)
 
   contains
 
@@ -128,6 +133,41 @@ contains
     end function face_depth
 
   end function are_near
+
+
+  !> Whether two faces, seen along the normal of one, lie beside each other and share an edge at most, as the side faces of two
+  !! bodies in a stack. Method: a line along an edge of one separates them.
+  pure logical function are_beside(exterior, f, m)
+    type(exterior_type), intent(in) :: exterior
+    integer, intent(in) :: f, m                    !< faces
+    are_beside = is_separated(f, m)
+    if (.not. are_beside) are_beside = is_separated(m, f)
+
+  contains
+
+    !> Whether a line along an edge of a face separates it from another one.
+    pure logical function is_separated(own, other)
+      integer, intent(in) :: own, other            !< faces
+      real(DP) :: edge(3), across(3)               ! unit vectors
+      integer :: k, n
+      is_separated = .false.
+      n = exterior%n_corners(own)
+      associate (x => exterior%x(:, exterior%nodes(exterior%first(own):exterior%first(own) + n - 1)), &
+        y => exterior%x(:, exterior%nodes(exterior%first(other):exterior%first(other) + exterior%n_corners(other) - 1)))
+        do k = 1, n
+          edge = x(:, modulo(k, n) + 1) - x(:, k)
+          if (norm2(edge) <= 0.0_DP) cycle         ! collapsed
+          across = edge
+          if (n > 2) across = cross_product(exterior%normal(:, own), edge)
+          across = across / norm2(across)
+          is_separated = min(maxval(matmul(across, x)), maxval(matmul(across, y))) - max(minval(matmul(across, x)), &
+            minval(matmul(across, y))) <= TOL_BESIDE * min(exterior%edge_length(own), exterior%edge_length(other))
+          if (is_separated) return
+        end do
+      end associate
+    end function is_separated
+
+  end function are_beside
 
 
   !> Whether two faces without depth face each other (`compare_sheets`); faces of bodies with a depth do. Faces apart, each of which

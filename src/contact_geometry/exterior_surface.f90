@@ -41,7 +41,7 @@ module amontons_exterior_surface
     real(DP), allocatable :: depth(:)              !< (n) of the element below the face [length]
     real(DP), allocatable :: thickness(:)          !< (n) of the body below the face, if measured (`body_thickness`) [length]
     real(DP), allocatable :: height(:)             !< (n) of the surface in contact above the face; 0 from `build_exterior` [length]
-    real(DP), allocatable :: x(:, :)               !< (3, n_nodes) coordinates, if a face is thin (`is_thin`) [length]
+    real(DP), allocatable :: x(:, :)               !< (3, n_nodes) coordinates at which it is measured [length]
   end type exterior_type
 
 contains
@@ -226,7 +226,7 @@ contains
       exterior%normal(:, f) = area_vector / max(exterior%area(f), tiny(1.0_DP))
       exterior%depth(f) = face_depth(mesh, x, exterior%element(f), exterior%centre(:, f), exterior%normal(:, f))
     end do
-    if (any(is_thin(exterior%depth, exterior%edge_length))) exterior%x = x
+    exterior%x = x
   end subroutine measure_faces
 
 

@@ -54,6 +54,9 @@ contains
     call suite%that('beside', .not. are_near(two_squares(0.1_DP, 2.5_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
     call suite%that('overlapping', are_near(two_squares(-0.5_DP, 0.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
     call suite%that('behind', .not. are_near(two_squares(-0.95_DP, 0.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
+    call suite%that('side faces in a stack', .not. are_near(two_squares(-0.5_DP, 1.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
+    call suite%that('that overlap', are_near(two_squares(-0.5_DP, 0.9_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
+    call suite%that('in front, beside', are_near(two_squares(0.1_DP, 1.0_DP, 1.0_DP, 1.0_DP), 1, 2, 3.0_DP, 0.0_DP))
     exterior = two_squares(-0.95_DP, 0.0_DP, 0.5_DP, 1.0_DP)
     exterior%thickness = [1.5_DP, 0.5_DP]
     call suite%that('one of two bodies is thin', .not. are_near(exterior, 1, 2, 3.0_DP, 0.0_DP))
