@@ -798,7 +798,7 @@ contains
     call table%cards_with(ENTRY_IGNORED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'It has no effect: rates do not count in quasi-static steps, and backward Euler alone damps ' // &
       '*DYNAMIC, APPLICATION=QUASI-STATIC.')
-    call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT STABILIZATION|SECTION ' // &
+    call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT CONTROLS ASSIGNMENT|CONTACT STABILIZATION|SECTION ' // &
       'CONTROLS|SOLUTION TECHNIQUE|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
       'these settings.')
   end subroutine describe_ignored
@@ -842,6 +842,9 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'FREQUENCY|COMPLEX FREQUENCY|COMPLEX EIGENVALUE EXTRACTION', 'Natural ' // &
       'frequencies are not computed: let an eigenvalue program do this step. Whether supports and contact hold all bodies ' // &
       'is checked by amontons --check.')
+    call table%cards_with(ENTRY_REJECTED, 'CONTACT CLEARANCE|CONTACT CLEARANCE ASSIGNMENT', 'To close gaps of general ' // &
+      'contact without stress, give *CONTACT INITIALIZATION DATA with SEARCH ABOVE; for a gap of given size, a *CONTACT PAIR ' // &
+      'of the two surfaces with a *CLEARANCE, which *CONTACT leaves out then.')
     call table%cards_with(ENTRY_REJECTED, 'BUCKLE', 'Buckling factors are not computed. Move the nodes by a small ' // &
       'imperfection, and increase the load as a prescribed displacement in a *STEP, NLGEOM: the largest reaction is the ' // &
       'buckling load.')

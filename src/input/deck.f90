@@ -332,8 +332,12 @@ contains
       end if
       if (entry%scope == SCOPE_STEP .and. .not. is_in_step) call report_error(reader, line, 'The card *' // entry%keyword // &
         ' must be in a step, between *STEP and *END STEP.')
-      if (entry%scope == SCOPE_MODEL .and. n_steps > 0) call report_error(reader, line, 'The card *' // entry%keyword // &
-        ' must be before the first step.')
+      if (entry%scope == SCOPE_MODEL .and. n_steps > 0 .and. entry%key == 'CONTACT') then
+        call report_error(reader, line, 'The card *CONTACT must be before the first step, with the cards of its block: ' // &
+          'general contact holds in all steps. What a step begins or ends is a *CONTACT PAIR (*MODEL CHANGE, TYPE=CONTACT PAIR).')
+      else if (entry%scope == SCOPE_MODEL .and. n_steps > 0) then
+        call report_error(reader, line, 'The card *' // entry%keyword // ' must be before the first step.')
+      end if
       if (entry%scope == SCOPE_BOTH .and. n_steps > 0 .and. .not. is_in_step .and. entry%key == 'BOUNDARY') call &
         report_error(reader, line, 'The card *BOUNDARY must be before the first step or in a step.')
     end associate

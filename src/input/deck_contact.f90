@@ -603,14 +603,19 @@ contains
     type(model_type), intent(in) :: model
     character(*), intent(in) :: slave, master
     integer, intent(in) :: line                  !< of the deck
+    character(:), allocatable :: advice
     integer :: p
     pair = 0
     do p = 1, size(model%pairs)
       if (model%pairs(p)%slave == 0 .or. model%pairs(p)%slave /= find_slave_surface(reader, slave)) cycle
       if (model%pairs(p)%master == reader%surfaces%find(master)) pair = p
     end do
-    if (pair == 0) call report_error(reader, line, 'There is no contact pair of the slave ''' // slave // &
-      ''' and the master ''' // master // '''.')
+    if (pair > 0) return
+    advice = ''
+    if (any([(is_card(reader, p, 'CONTACT'), p=1, reader%cards%n_cards)])) advice = ' The pairs of *CONTACT have no names and ' // &
+      'hold in all steps: give the two surfaces a *CONTACT PAIR, which *CONTACT leaves out then.'
+    call report_error(reader, line, 'There is no contact pair of the slave ''' // slave // ''' and the master ''' // master // &
+      '''.' // advice)
   end function find_pair
 
 

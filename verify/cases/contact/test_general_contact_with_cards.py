@@ -5,6 +5,7 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -278,3 +279,34 @@ def test_gasket_in_symmetry_planes(run: Run, tmp_path: Path) -> None:
     """Both faces of a gasket of shells are slaves; in symmetry planes supports hold its nodes along it, which leaves contact to act."""
     said = solve(run, tmp_path, flange(by_hand(0.2, *FLANGE_PAIRS))).said
     assert "knots" not in said
+
+
+REFUSED = {
+    "*CONTACT CLEARANCE, NAME=C, CLEARANCE=0.1": ("", "*CONTACT CLEARANCE is not supported", "*CONTACT INITIALIZATION DATA with SEARCH ABOVE"),
+    "*CONTACT CLEARANCE ASSIGNMENT\n, , C": ("", "*CONTACT CLEARANCE ASSIGNMENT is not supported", "a *CONTACT PAIR of the two surfaces with a *CLEARANCE"),
+    "in a step": ("*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n", "*CONTACT must be before the first step", "general contact holds in all steps"),
+    "removed": ("*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nA, B\n", "There is no contact pair of the slave 'A' and the master 'B'.",
+                "give the two surfaces a *CONTACT PAIR, which *CONTACT leaves out then"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("card", REFUSED)
+def test_refused_cards(run_deck: Run, card: str) -> None:
+    """What general contact does not take names the alternative."""
+    in_step, message, remedy = REFUSED[card]
+    text = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 1., 1., 0.\n4, 0., 1., 0.\n5, 0., 0., 1.\n6, 1., 0., 1.\n7, 1., 1., 1.\n8, 0., 1., 1.\n"
+    text += "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*MATERIAL, NAME=M\n*ELASTIC\n1., 0.\n*SOLID SECTION, ELSET=E, MATERIAL=M\n"
+    text += "*SURFACE, NAME=A\nE, S1\n*SURFACE, NAME=B\nE, S2\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+    text += (card + "\n" if card.startswith("*") else "") + f"*STEP\n*STATIC\n{in_step}*BOUNDARY\n1, 1, 3\n*END STEP\n"
+    done = run_deck(text, "--check")
+    said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert done.returncode != 0, said
+    assert message in said, said
+    assert remedy in said, said
+
+
+def test_settings_without_effect(run_deck: Run) -> None:
+    """*CONTACT CONTROLS ASSIGNMENT changes nothing here: a warning says so."""
+    text = "*CONTACT CONTROLS ASSIGNMENT, TYPE=SCALE PENALTY\n, , 2.\n"
+    said = re.sub(r"\s+", " ", (done := run_deck(text, "--check")).stdout + done.stderr)
+    assert "*WARNING: The card *CONTACT CONTROLS ASSIGNMENT is read past." in said, said
