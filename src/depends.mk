@@ -91,7 +91,8 @@ uses_section_beams = kinds tensor user_elements
 uses_directors = kinds tensor element_kinds mesh structural_data shape_functions
 uses_equivalent_layers = kinds tensor dense
 uses_expanded_elements = kinds element_kinds mesh structural_data
-uses_knots = kinds text containers tensor loads mesh mpc_data structural_data model
+uses_parabolic_fibres = kinds loads structural_data model
+uses_knots = kinds text containers tensor loads mesh mpc_data structural_data model parabolic_fibres
 uses_expansion = model directors expanded_elements knots
 
 # input
@@ -185,7 +186,7 @@ uses_user_element_forces = kinds user_routines steps user_elements model section
 uses_constraints = kinds errors sparse
 uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly_plan constraints
 uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
-uses_tie_generation = kinds text errors tensor element_kinds loads mesh surfaces mpc_data model shape_functions facets facet_search surface_projection tributary_areas
+uses_tie_generation = kinds text errors tensor element_kinds loads mesh surfaces mpc_data structural_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
 uses_body_motion = kinds containers loads materials mesh model exterior_surface
@@ -201,7 +202,7 @@ uses_contact_initialization = kinds containers errors element_kinds surfaces mod
 uses_contact_integration_points = kinds element_kinds model shape_functions facets facet_search contact_constraint_rows face_intersection_points mortar state contact_pairs
 uses_contact_linearization = kinds tensor surfaces model contact_constraint_rows surface_projection friction_slip_scenarios segment_derivatives row_normals mortar mortar_linearization state constraints contact_pairs contact_evaluation
 uses_contact_operators = kinds containers errors tensor sparse woodbury_interface contact_linearization
-uses_dependent_slaves = kinds text errors surfaces model elasticity tributary_areas constraints nonlinear_mpc
+uses_dependent_slaves = kinds text errors surfaces structural_data model elasticity tributary_areas constraints nonlinear_mpc
 uses_driven_slaves = kinds text surfaces model contact_constraint_rows slave_node_overrides state constraints contact_pairs contact_step
 uses_exterior_membership = mesh surfaces mpc_data model exterior_surface
 uses_rigid_exterior = kinds text element_kinds mpc_data model

@@ -13,6 +13,7 @@ module amontons_tie_generation
   use amontons_surfaces, only: surface_type
   use amontons_model, only: model_type, new_equation
   use amontons_shape_functions, only: facet_shapes
+  use amontons_structural_data, only: following_nodes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_surface_projection, only: projection_type, find_projection, evaluate_facet_point, find_facet_distance, &
@@ -58,7 +59,7 @@ contains
   end subroutine generate_ties
 
 
-  !> Ties the slave nodes to the facets of the master: u = sum N_i u_i.
+  !> Ties the slave nodes to the facets of the master: u = sum N_i u_i; nodes inside a composite shell follow others that are tied.
   subroutine convert_tie(model, tie, mesh, equations, error)
     type(model_type), intent(in) :: model
     type(tie_type), intent(in) :: tie
@@ -71,7 +72,7 @@ contains
     real(DP), allocatable :: x(:, :)
     integer, allocatable :: slaves(:)
     real(DP) :: tolerance_length
-    logical :: is_master(size(mesh%coordinates, 2))
+    logical :: is_master(size(mesh%coordinates, 2)), follows(size(mesh%coordinates, 2))
     integer :: i, n_tied
     associate (master => model%surfaces(tie%master))
       call build_facets(mesh, master%element, master%face, facets, error)
@@ -84,6 +85,7 @@ contains
     slaves = model%surfaces(tie%slave)%nodes
     is_master = .false.
     is_master(facets%nodes) = .true.
+    follows = following_nodes(model%structure, size(follows))
     n_tied = 0
     do i = 1, size(slaves)
       if (is_master(slaves(i))) cycle    ! a common node of both surfaces needs no tie
@@ -93,7 +95,7 @@ contains
         * facets%edge_length(projection%facet)) cycle   ! beside the master
       n_tied = n_tied + 1
       if (tie%is_adjusted) call evaluate_facet_point(facets, x, projection%facet, projection%xi, mesh%coordinates(:, slaves(i)))
-      call add_tie_equations(facets, projection, slaves(i), tie%line, equations)
+      if (.not. follows(slaves(i))) call add_tie_equations(facets, projection, slaves(i), tie%line, equations)
     end do
     if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
       'surface is within POSITION TOLERANCE of the master surface.')
@@ -128,6 +130,7 @@ contains
     integer, allocatable :: first(:), nodes(:), best_first(:), best_nodes(:)
     real(DP), allocatable :: weight(:), best_weight(:)
     real(DP) :: rotation_map(3, 3), best_rotation(3, 3)
+    logical :: follows(size(mesh%coordinates, 2))
     integer :: rotation_sign, s, k, n_found, n_best
     character(12) :: number
     n_best = -1
@@ -152,7 +155,9 @@ contains
           'TOLERANCE.')
         return
       end if
+      follows = following_nodes(model%structure, size(follows))
       do s = 1, size(slaves)
+        if (follows(slaves(s))) cycle
         do k = 1, 3
           call add_rotated_equation(slaves(s), k, best_nodes(best_first(s):best_first(s + 1) - 1), &
             best_weight(best_first(s):best_first(s + 1) - 1), best_rotation(k, :), tie%line, equations)

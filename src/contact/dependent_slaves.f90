@@ -13,6 +13,7 @@ module amontons_dependent_slaves
   use amontons_surfaces, only: interaction_type, surface_type, is_compliant, swap_advice, BEHAVIOR_LINEAR
   use amontons_constraints, only: constraints_type, reset_constraints, prescribe_unknown, add_constraint_row, constraint_row_type
   use amontons_nonlinear_mpc, only: add_nonlinear_mpcs
+  use amontons_structural_data, only: following_nodes
   use amontons_tributary_areas, only: add_nodal_face_areas, find_mean_edge_length
   use amontons_elasticity, only: small_strain_modulus
   implicit none
@@ -68,8 +69,8 @@ contains
   end function penalty_law
 
 
-  !> The unknowns that *EQUATION, *MPC, couplings and rigid bodies express by others in step 1. Those of ties and pre-tension
-  !! sections are not among them: their slaves lie beside nodes that have the contact of both.
+  !> The unknowns that *EQUATION, *MPC, couplings, rigid bodies and the solid of a composite shell express by others in step 1.
+  !! Those of ties and pre-tension sections are not among them: their slaves lie beside nodes that have the contact of both.
   subroutine find_dependent_unknowns(model, is_dependent)
     type(model_type), intent(in) :: model
     logical, allocatable, intent(out) :: is_dependent(:, :)   !< (3, n_nodes)
@@ -95,7 +96,8 @@ contains
     end do
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
     call add_nonlinear_mpcs(base, model, u, model%steps(1)%is_nlgeom, violation, error)   ! contradictions: the first increment
-    is_dependent = reshape(base%owner > 0, [3, model%mesh%n_nodes])
+    is_dependent = reshape(base%owner > 0, [3, model%mesh%n_nodes]) .or. spread(following_nodes(model%structure, &
+      model%mesh%n_nodes), 1, 3)
   end subroutine find_dependent_unknowns
 
 

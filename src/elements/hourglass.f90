@@ -315,8 +315,8 @@ contains
 
   !> Thickness stabilization of a shell of one layer of C3D20R. The four points of each half see a thickness strain s that is
   !! bilinear along the middle surface; the mid-side fibres can add modes without energy that neighbours share. With g = s at a
-  !! mid-side fibre minus the mean of s at the corner fibres beside it, W = k/2 sum g^2 with k = THICKNESS_FACTOR c V / 4. s is
-  !! Green's strain of the fibre, (|d|^2 - |D|^2) / (2 |D|^2), linearised without NLGEOM.
+  !! mid-side fibre minus the mean of s at the corner fibres beside it, W = k/2 sum g^2 with k = THICKNESS_FACTOR c V / 4, c along
+  !! the mean fibre. s is Green's strain of the fibre, (|d|^2 - |D|^2) / (2 |D|^2), linearised without NLGEOM.
   pure subroutine add_thickness_stabilization(X, u, is_nlgeom, c, volume, energy, force, stiffness)
     real(DP), intent(in) :: X(:, :)                !< (3, 20) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, 20) displacements [length]
@@ -326,7 +326,7 @@ contains
     real(DP), intent(out) :: energy                !< W [energy]
     real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES) !< [force]
     real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< [force/length]
-    real(DP) :: D(3, 8), change(3, 8), length(8), strain(8), slope(3, 8), weight(8), g, k
+    real(DP) :: D(3, 8), change(3, 8), length(8), strain(8), slope(3, 8), weight(8), fibre_strain(6), n(3), g, k
     integer :: i, side
     D = X(:, FIBRE(2, :)) - X(:, FIBRE(1, :))
     change = u(:, FIBRE(2, :)) - u(:, FIBRE(1, :))
@@ -337,7 +337,9 @@ contains
       slope(:, i) = D(:, i) / length(i)**2
       if (is_nlgeom) slope(:, i) = slope(:, i) + change(:, i) / length(i)**2
     end do
-    k = THICKNESS_FACTOR * (c(1, 1) + c(2, 2) + c(3, 3)) / 3.0_DP * volume / 4.0_DP
+    n = sum(D, dim=2) / norm2(sum(D, dim=2))
+    fibre_strain = [n**2, 2 * n * n([2, 3, 1])]    ! xx yy zz xy yz xz
+    k = THICKNESS_FACTOR * dot_product(fibre_strain, matmul(c, fibre_strain)) * volume / 4.0_DP
     energy = 0
     do side = 1, 4
       weight = 0

@@ -8,8 +8,8 @@ module amontons_shape_functions
   use amontons_kinds, only: DP
   use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, GAUSS_2, GAUSS_3
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
-    KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, &
-    KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
+    KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, KIND_CPS3, &
+    KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
     FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES
   use amontons_tensor, only: solve_normal_equations
@@ -68,7 +68,7 @@ contains
       dN(:, :4) = reshape([real(DP) :: -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 4])
     case (KIND_C3D6, KIND_CSS6)
       call wedge6_shapes(xi, N(:6), dN(:, :6))
-    case (KIND_C3D15)
+    case (KIND_C3D15, KIND_C3D15_LAYER)
       call wedge15_shapes(xi, N(:15), dN(:, :15))
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_CSS8)
       call trilinear_shapes(xi, N(:8), dN(:, :8))
@@ -260,7 +260,10 @@ contains
       w(:2) = 0.5_DP
     case (KIND_C3D15)
       n = 9
-      call wedge_rule(xi, w)
+      call wedge_rule([-GAUSS_3, 0.0_DP, GAUSS_3], [5.0_DP, 8.0_DP, 5.0_DP] / 9, xi, w)
+    case (KIND_C3D15_LAYER)
+      n = 6
+      call wedge_rule([-GAUSS_2, GAUSS_2], [1.0_DP, 1.0_DP], xi, w)
     case (KIND_C3D8R)
       n = 1
       w(1) = 8
@@ -331,16 +334,17 @@ contains
   end subroutine layered_rule
 
 
-  !> Three points of the triangle at three heights.
-  pure subroutine wedge_rule(xi, w)
+  !> Three points of the triangle at some heights.
+  pure subroutine wedge_rule(z, weight_z, xi, w)
+    real(DP), intent(in) :: z(:), weight_z(:)      !< heights and their weights
     real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     real(DP) :: flat(2, 3), weight(3)
     integer :: k
     call set_triangle_orbit(1.0_DP / 6, 1.0_DP / 6, flat, weight)
-    do k = 1, 3
+    do k = 1, size(z)
       xi(:2, 3 * k - 2:3 * k) = flat
-      xi(3, 3 * k - 2:3 * k) = real(k - 2, DP) * GAUSS_3
-      w(3 * k - 2:3 * k) = weight * merge(8.0_DP, 5.0_DP, k == 2) / 9
+      xi(3, 3 * k - 2:3 * k) = z(k)
+      w(3 * k - 2:3 * k) = weight * weight_z(k)
     end do
   end subroutine wedge_rule
 
@@ -398,7 +402,7 @@ contains
       rule = RULE_QUAD1
     case (KIND_C3D10)
       rule = FACET_TRI3
-    case (KIND_C3D15)
+    case (KIND_C3D15, KIND_C3D15_LAYER)
       rule = merge(FACET_TRI3, FACET_QUAD4, facet == FACET_TRI6)
     case (KIND_C3D20R)
       rule = FACET_QUAD4
@@ -440,7 +444,7 @@ contains
       xi(:, :10) = TETRAHEDRON_NODES
     case (KIND_C3D6, KIND_CSS6)
       xi(:, :6) = WEDGE_NODES(:, :6)
-    case (KIND_C3D15)
+    case (KIND_C3D15, KIND_C3D15_LAYER)
       xi(:, :15) = WEDGE_NODES
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_CSS8)
       xi(:, :8) = HEXAHEDRON_NODES(:, :8)
@@ -493,7 +497,9 @@ contains
     case (KIND_C3D10)
       call extrapolate_tetrahedron(matrix)
     case (KIND_C3D15)
-      call extrapolate_wedge(matrix)
+      call extrapolate_wedge([-GAUSS_3, 0.0_DP, GAUSS_3], matrix)
+    case (KIND_C3D15_LAYER)
+      call extrapolate_wedge([-GAUSS_2, GAUSS_2], matrix)
     case (KIND_C3D20)
       call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
     case (KIND_CPS3:KIND_T3D3)
@@ -527,17 +533,18 @@ contains
   end subroutine extrapolate_layers
 
 
-  !> Linear in the triangle through three points, times a linear least squares fit over three heights.
-  pure subroutine extrapolate_wedge(matrix)
+  !> Linear in the triangle through three points, times a linear least squares fit over the heights, whose sum is 0.
+  pure subroutine extrapolate_wedge(z, matrix)
+    real(DP), intent(in) :: z(:)                   !< heights of the points [-]
     real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     real(DP) :: area(3)
     integer :: a, i, k
     do a = 1, 15
       area = [1 - WEDGE_NODES(1, a) - WEDGE_NODES(2, a), WEDGE_NODES(1, a), WEDGE_NODES(2, a)]
-      do k = 1, 3
+      do k = 1, size(z)
         do i = 1, 3
           matrix(a, 3 * k - 3 + i) = (2 * area(i) - 1.0_DP / 3) &
-            * (1 + 1.5_DP * WEDGE_NODES(3, a) * real(k - 2, DP) / GAUSS_3) / 3
+            * (1 / real(size(z), DP) + WEDGE_NODES(3, a) * z(k) / sum(z**2))
         end do
       end do
     end do

@@ -35,10 +35,10 @@ module amontons_solid_elements
 
   ! The table of module element_kinds once more, as constants: so the loops have known lengths. The unit test notices if
   ! they differ.
-  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6, 20, 20, 20, 20]
-  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15, 18, 16, 24, 24]
+  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6, 20, 20, 20, 20, 15]
+  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15, 18, 16, 24, 24, 6]
   logical, parameter :: HAS_MEAN_DILATATION(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., &
-    .false., .false., .false., .false., .false., .false., .false., .false., .false.]
+    .false., .false., .false., .false., .false., .false., .false., .false., .false., .false.]
 
   !> Kinematics of an element: deformation data for forces and tangent.
   type :: kinematics_type

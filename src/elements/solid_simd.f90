@@ -18,7 +18,7 @@ module amontons_solid_simd
   use amontons_shape_functions, only: shape_functions, quadrature
   use amontons_elasticity, only: MAX_DISPLACEMENT_GRADIENT
   use amontons_element_kinds, only: element_kind_type, element_kind, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, &
-    KIND_C3D15, KIND_C3D20, N_SOLID_KINDS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+    KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, N_SOLID_KINDS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
   public :: batch_type, batch_rule_type, create_batch_rules, is_batch_kind, is_plain_kind, n_node_pairs, set_batch_lane, &
@@ -33,7 +33,8 @@ module amontons_solid_simd
 
   !> Kinds without modes, hourglass stiffness or mean dilatation. C3D20R is none of them: a strip of it may have modes without
   !! energy, whose pivots are rounding, and another order of summation changes their sign (S8R in trapezoids).
-  integer, parameter :: PLAIN_KINDS(6) = [KIND_C3D4, KIND_C3D6, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, KIND_C3D20]
+  integer, parameter :: PLAIN_KINDS(7) = [KIND_C3D4, KIND_C3D6, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D15, &
+    KIND_C3D15_LAYER, KIND_C3D20]
 
   !> An element kind: derivatives of the shape functions at the points, and the weights of these.
   type :: batch_rule_type

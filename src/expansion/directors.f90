@@ -2,18 +2,19 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! A node has one director for all its elements whose normals lie within 20 degrees of that of the first of them, and that have
-!! the same thickness, layers and offset: the mean of these normals. Elements with a *NORMAL come first and are gathered within 0.5
-!! degrees. A node with several directors is a knot (module knots). In rigid bodies, which need no knots, elements share it over
-!! right angles too, so that their faces stay connected. Source: CalculiX CrunchiX manual, Eight-node shell element.
+!! the same thickness, offset and, unless they are one solid, layers: the mean of these normals. Elements with a *NORMAL come first
+!! and are gathered within 0.5 degrees. A node with several directors is a knot (module knots). In rigid bodies, which need no
+!! knots, elements share it over right angles too, so that their faces stay connected. Source: CalculiX CrunchiX manual,
+!! Eight-node shell element.
 module amontons_directors
   use amontons_kinds, only: DP, PI
   use amontons_mesh, only: mesh_type
   use amontons_shape_functions, only: facet_shapes, facet_node_coordinates
-  use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers, &
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers, layer_heights, &
     SECTION_CIRC
   use amontons_tensor, only: cross_product
   use amontons_element_kinds, only: element_kind_type, element_kind, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, &
-    FAMILY_BEAM, KIND_SAX2, MAX_FACE_NODES
+    FAMILY_BEAM, KIND_S6, KIND_S8, KIND_S8R, KIND_SAX2, MAX_FACE_NODES
   implicit none
   private
   public :: find_directors, find_element_normals
@@ -147,6 +148,9 @@ contains
       do a = 1, size(own)
         own(a)%offset = section%offset
         own(a)%is_round = is_calculix .and. section%shape == SECTION_CIRC
+        own(a)%is_one_solid = is_calculix .and. any(structure%kind(e) == [KIND_S6, KIND_S8, KIND_S8R])
+        own(a)%is_parabolic = own(a)%is_one_solid .and. n_section_layers(section) > 1
+        own(a)%sections = [own(a)%section]
         own(a)%thickness = section%thickness
         if (section%has_nodal_thickness) own(a)%thickness = structure%nodal_thickness(:, nodes(a))
         i = structure%first(e) + a - 1
@@ -160,19 +164,6 @@ contains
       end do
     end associate
   end subroutine find_own_directors
-
-
-  !> The places of the faces of the layers of a section over its thickness, from -1/2 to 1/2.
-  pure function layer_heights(section) result(height)
-    type(structural_section_type), intent(in) :: section
-    real(DP) :: height(0:n_section_layers(section))
-    integer :: k
-    height(0) = -0.5_DP
-    height(ubound(height, 1)) = 0.5_DP
-    do k = 1, ubound(height, 1) - 1
-      height(k) = sum(section%layers(:k)%thickness) / sum(section%layers%thickness) - 0.5_DP
-    end do
-  end function layer_heights
 
 
   !> Both local directions of a beam at one of its nodes: the first is the part of the given direction normal to the tangent, the
@@ -278,6 +269,9 @@ contains
           is_left(k) = .false.
           structure%director_of(position(k)) = n
           found(n)%axes = found(n)%axes + own(position(k))%axes
+          found(n)%is_parabolic = found(n)%is_parabolic .or. own(position(k))%is_parabolic
+          if (.not. any(found(n)%sections == own(position(k))%section)) &
+            found(n)%sections = [found(n)%sections, own(position(k))%section]
         end do
         found(n)%axes(:, 1) = found(n)%axes(:, 1) / norm2(found(n)%axes(:, 1))
         if (found(n)%n_outer == 4) found(n)%axes(:, 2) = normal_part(found(n)%axes(:, 2), found(n)%axes(:, 1))
@@ -314,8 +308,10 @@ contains
     if (one%n_outer /= other%n_outer .or. (one%is_round .neqv. other%is_round)) return
     if (any(abs(one%thickness - other%thickness) > TOL_SAME * maxval(one%thickness))) return
     if (any(abs(one%offset - other%offset) > TOL_SAME)) return
-    if (size(one%height) /= size(other%height)) return
-    if (any(abs(one%height - other%height) > TOL_SAME)) return
+    if (.not. (one%is_one_solid .and. other%is_one_solid)) then
+      if (size(one%height) /= size(other%height)) return
+      if (any(abs(one%height - other%height) > TOL_SAME)) return
+    end if
     do k = 1, merge(2, 1, one%n_outer == 4)
       turn = atan2(norm2(cross_product(one%axes(:, k), other%axes(:, k))), dot_product(one%axes(:, k), other%axes(:, k)))
       if (turn > angle) return

@@ -17,14 +17,17 @@
 module amontons_expanded_elements
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, append_nodes, replace_element_nodes, finalize_mesh
-  use amontons_structural_data, only: structure_type, structural_section_type, director_type, SECTION_CIRC, SECTION_PIPE, &
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers, &
+    layer_heights, SECTION_CIRC, SECTION_PIPE, &
     SECTION_BOX
   use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_B31, KIND_B31R, KIND_B32, &
-    KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS6, KIND_CSS8, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, &
-    KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_SAX2, KIND_CAX_SHELL, FAMILY_BEAM
+    KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_C3D15_LAYER, KIND_CSS6, KIND_CSS8, KIND_C3D20, &
+    KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_SAX2, KIND_CAX_SHELL, FAMILY_BEAM
   implicit none
   private
   public :: expand_elements, expanded_kind
+
+  real(DP), parameter :: TOL_EQUAL_PLACE = 1.0e-9_DP    !< difference of equal places over the thickness [-]
 
 contains
 
@@ -45,15 +48,19 @@ contains
           solid = structure%nodes(from:to)
         else
           mesh%kind(e) = expanded_kind(structure%kind(e), is_calculix)
+          if (mesh%kind(e) == KIND_C3D15 .and. is_calculix .and. n_section_layers(structure%sections(structure%section(e))) > 1) &
+            mesh%kind(e) = KIND_C3D15_LAYER      ! CalculiX has two points over each layer
           call set_beam_section(mesh, structure%sections(structure%section(e)), structure%kind(e), is_calculix, e)
           if (structure%directors(structure%director_of(from))%n_outer == 4) then
             solid = beam_nodes(structure%directors(structure%director_of(from:to)))
           else if (mesh%kind(e) == KIND_CAX_SHELL) then
             mesh%is_shell(e) = .true.
-            solid = meridian_nodes(structure%directors(structure%director_of(from:to)), mesh%layer(e))
+            solid = meridian_nodes(structure%directors(structure%director_of(from:to)), &
+              layer_heights(structure%sections(structure%section(e))), mesh%layer(e))
           else
             mesh%is_shell(e) = .true.
-            solid = shell_nodes(structure%directors(structure%director_of(from:to)), mesh%layer(e))
+            solid = shell_nodes(structure%directors(structure%director_of(from:to)), &
+              layer_heights(structure%sections(structure%section(e))), mesh%layer(e))
           end if
         end if
       end associate
@@ -143,7 +150,13 @@ contains
     n = 0
     do i = 1, size(structure%directors)
       associate (director => structure%directors(i))
-        director%nodes = mesh%n_nodes + n + [(k, k=1, n_director_nodes(director, is_corner(i)))]
+        if (director%n_outer == 2) then
+          director%has_middles = is_corner(i)
+          director%place = fibre_places(structure, director)
+          director%nodes = mesh%n_nodes + n + [(k, k=1, size(director%place))]
+        else
+          director%nodes = mesh%n_nodes + n + [(k, k=1, merge(8, 4, is_corner(i)))]
+        end if
         n = n + size(director%nodes)
       end associate
     end do
@@ -175,18 +188,34 @@ contains
   end function quadratic_corners
 
 
-  !> The number of nodes of a director.
-  pure integer function n_director_nodes(director, is_corner) result(n)
+  !> The places of the nodes of a fibre: bottom, top, interfaces and, at a corner of quadratic elements, middles of the layers of
+  !! all its sections.
+  pure function fibre_places(structure, director) result(place)
+    type(structure_type), intent(in) :: structure
     type(director_type), intent(in) :: director
-    logical, intent(in) :: is_corner             !< of a quadratic element
-    integer :: n_layers
-    n_layers = ubound(director%height, 1)
-    if (director%n_outer == 4) then
-      n = merge(8, 4, is_corner)
-    else
-      n = 1 + n_layers + merge(n_layers, 0, is_corner)
-    end if
-  end function n_director_nodes
+    real(DP), allocatable :: place(:)            !< from 0 at the bottom to 1 on top
+    integer :: i, k, n, pass
+    place = [0.0_DP, 1.0_DP]
+    do pass = 1, merge(2, 1, director%has_middles)
+      do i = 1, size(director%sections)
+        n = n_section_layers(structure%sections(director%sections(i)))
+        associate (height => 0.5_DP + layer_heights(structure%sections(director%sections(i))))
+          do k = 1, merge(n - 1, n, pass == 1)   ! height(k) is the bottom of layer k here
+            call add_place(merge(height(k + 1), 0.5_DP * (height(k) + height(k + 1)), pass == 1))
+          end do
+        end associate
+      end do
+    end do
+
+  contains
+
+    !> Adds a place that is not there yet.
+    pure subroutine add_place(at)
+      real(DP), intent(in) :: at
+      if (all(abs(place - at) > TOL_EQUAL_PLACE)) place = [place, at]
+    end subroutine add_place
+
+  end function fibre_places
 
 
   !> The position of a node of a director. Shells: bottom, top, interfaces, middles of the layers; beams: corners (-1, +2),
@@ -199,13 +228,8 @@ contains
     real(DP) :: scale                            ! of the corners
     real(DP), parameter :: CROSS_SECTION(2, 8) = 0.5_DP * reshape([real(DP) :: -1, 1, -1, -1, 1, -1, 1, 1, &
       -1, 0, 0, -1, 1, 0, 0, 1], [2, 8])
-    integer :: n                                 ! layers
     if (director%n_outer == 2) then
-      n = ubound(director%height, 1)
-      associate (heights => [director%height([0, n]), director%height(1:n - 1), 0.5_DP * (director%height(:n - 1) + &
-        director%height(1:))])
-        position = x + (heights(k) - director%offset(1)) * director%thickness(1) * director%axes(:, 1)
-      end associate
+      position = x + (director%place(k) - 0.5_DP - director%offset(1)) * director%thickness(1) * director%axes(:, 1)
     else
       scale = merge(sqrt(0.5_DP), 1.0_DP, director%is_round .and. k <= 4)
       position = x + matmul(director%axes, (scale * CROSS_SECTION(:, k) - director%offset) * director%thickness)
@@ -214,39 +238,46 @@ contains
 
 
   !> The nodes of the solid of a layer of a shell with 3, 4, 6 or 8 nodes.
-  pure function shell_nodes(directors, layer) result(nodes)
+  pure function shell_nodes(directors, height, layer) result(nodes)
     type(director_type), intent(in) :: directors(:)   !< at its nodes
+    real(DP), intent(in) :: height(0:)           !< of the faces of its layers, from -1/2 to 1/2
     integer, intent(in) :: layer                 !< from the bottom
     integer, allocatable :: nodes(:)
-    integer :: n, below, above, middle, a
-    call find_layer(directors(1), layer, below, above, middle)
-    n = size(directors)
-    if (n > 4) n = n / 2
-    nodes = [(directors(a)%nodes(below), a=1, n), (directors(a)%nodes(above), a=1, n)]
-    if (size(directors) > 4) nodes = [nodes, (directors(a)%nodes(below), a=n + 1, 2 * n), (directors(a)%nodes(above), a=n + 1, 2 &
-      * n), (directors(a)%nodes(middle), a=1, n)]
+    integer :: n, m, a, below(size(directors)), above(size(directors)), middle(size(directors))
+    m = size(directors)
+    do a = 1, m
+      associate (director => directors(a))
+        call find_layer(director, height, layer, below(a), above(a), middle(a))
+        below(a) = director%nodes(below(a))
+        above(a) = director%nodes(above(a))
+        middle(a) = director%nodes(middle(a))
+      end associate
+    end do
+    n = merge(m, m / 2, m <= 4)
+    nodes = [below(:n), above(:n)]
+    if (m > 4) nodes = [nodes, below(n + 1:), above(n + 1:), middle(:n)]
   end function shell_nodes
 
 
-  !> The places of a layer among the nodes of a fibre.
-  pure subroutine find_layer(director, layer, below, above, middle)
+  !> The nodes of a fibre at the bottom, the top and the middle of a layer, as indices into its nodes; middle: only at a corner.
+  pure subroutine find_layer(director, height, layer, below, above, middle)
     type(director_type), intent(in) :: director
+    real(DP), intent(in) :: height(0:)           !< of the faces of the layers, from -1/2 to 1/2
     integer, intent(in) :: layer                 !< from the bottom
     integer, intent(out) :: below, above, middle
-    integer :: n_layers
-    n_layers = ubound(director%height, 1)
-    below = merge(1, 1 + layer, layer == 1)
-    above = merge(2, 2 + layer, layer == n_layers)
-    middle = 1 + n_layers + layer
+    below = minloc(abs(director%place - 0.5_DP - height(layer - 1)), dim=1)
+    above = minloc(abs(director%place - 0.5_DP - height(layer)), dim=1)
+    middle = minloc(abs(director%place - 0.5_DP - 0.5_DP * (height(layer - 1) + height(layer))), dim=1)
   end subroutine find_layer
 
 
   !> The nodes of the solid of a layer of an axisymmetric shell: the normal lies to the left of its line.
-  pure function meridian_nodes(directors, layer) result(nodes)
+  pure function meridian_nodes(directors, height, layer) result(nodes)
     type(director_type), intent(in) :: directors(3)   !< at its nodes: end, middle, end
+    real(DP), intent(in) :: height(0:)           !< of the faces of its layers, from -1/2 to 1/2
     integer, intent(in) :: layer                 !< from the bottom
     integer :: nodes(8), below, above, middle
-    call find_layer(directors(1), layer, below, above, middle)
+    call find_layer(directors(1), height, layer, below, above, middle)
     associate (p => directors(1)%nodes, m => directors(2)%nodes, q => directors(3)%nodes)
       nodes = [p(below), q(below), q(above), p(above), m(below), q(middle), m(above), p(middle)]
     end associate

@@ -17,7 +17,9 @@ module amontons_knots
   use amontons_mesh, only: append_nodes
   use amontons_model, only: model_type, new_equation, n_nonlinear_mpcs, DIALECT_CALCULIX
   use amontons_mpc_data, only: nonlinear_mpc_type, MPC_RIGID_BODY, MPC_MEAN_ROTATION, MPC_FITTED_ROTATION
-  use amontons_structural_data, only: structure_type, structural_section_type, director_type, mean_weights, find_node_directors
+  use amontons_structural_data, only: structure_type, structural_section_type, director_type, mean_weights, find_node_directors, &
+    middle_node
+  use amontons_parabolic_fibres, only: add_parabolic_fibres
   use amontons_tensor, only: cross_product
   implicit none
   private
@@ -64,6 +66,7 @@ contains
         end if
         i = last + 1
       end do
+      call add_parabolic_fibres(structure, equations, n)
     end associate
     model%equations = equations(:n)
     model%nonlinear_mpcs = mpcs(:n_mpcs)
@@ -150,10 +153,11 @@ contains
         first_step = held_inner_from(model, director, k)
         if (first_step == 0) cycle
         do i = director%n_outer + 1, size(director%nodes)
+          if (director%is_parabolic .and. i /= middle_node(director)) cycle   ! it follows
           n = n + 1
           if (director%n_outer == 2) then
             nodes = director%nodes([i, 1, 2])
-            share = inner_place(director, i)
+            share = director%place(i)
           else
             nodes = [director%nodes(i), director%nodes(BESIDE(:, i))]
             share = 0.5_DP
@@ -182,20 +186,6 @@ contains
     step = 0
     if (size(steps) > 0) step = minval(steps)
   end function held_inner_from
-
-
-  !> The place of an inner node of a fibre, from 0 at the bottom to 1 on top.
-  pure real(DP) function inner_place(director, i) result(place)
-    type(director_type), intent(in) :: director
-    integer, intent(in) :: i                     !< index into its nodes, at least 3
-    integer :: n
-    n = ubound(director%height, 1)
-    if (i <= n + 1) then
-      place = 0.5_DP + director%height(i - 2)
-    else
-      place = 0.5_DP + 0.5_DP * (director%height(i - n - 2) + director%height(i - n - 1))
-    end if
-  end function inner_place
 
 
   !> The rotation of a cross-section, or in the calculix dialect of a fibre too, is that of its rotation node: one that fits the
@@ -285,7 +275,7 @@ contains
     integer, intent(in) :: first, last
     type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
     integer, intent(inout) :: n_mpcs            !< number of mpcs
-    integer :: i, k
+    integer :: i, k, a
     associate (directors => model%structure%directors(first:last), section => &
       model%structure%sections(model%structure%directors(first)%section))
       n_mpcs = n_mpcs + 1
@@ -298,6 +288,11 @@ contains
         mpc%line = section%line
         mpc%node = [integer ::]
         do i = 1, size(directors)
+          if (directors(i)%is_parabolic) then    ! the other nodes follow
+            k = middle_node(directors(i))
+            mpc%node = [mpc%node, directors(i)%nodes(:2), pack(directors(i)%nodes, [(a == k, a=1, size(directors(i)%nodes))])]
+            cycle
+          end if
           k = merge(size(directors(i)%nodes), directors(i)%n_outer, model%dialect == DIALECT_CALCULIX .or. &
             ubound(directors(i)%height, 1) > 1)
           mpc%node = [mpc%node, directors(i)%nodes(:k)]

@@ -196,8 +196,8 @@ contains
   end subroutine read_section_axes
 
 
-  !> Axes of shells: each layer has an orientation of its own, projected on the shell. The abaqus dialect takes the global axes
-  !! where the deck names none and the layers or the material have directions.
+  !> Axes of shells: each layer has an orientation of its own, projected on the shell. Where the deck names none, the global axes:
+  !! in the calculix dialect always, in that of abaqus where the layers or the material have directions.
   subroutine set_shell_axes(reader, names, distribution, model)
     type(reader_type), intent(inout) :: reader
     type(name_table_type), intent(in) :: names
@@ -215,8 +215,8 @@ contains
           members = pack([(e, e=1, model%mesh%n_elements)], model%structure%section == s .and. model%mesh%layer == l)
           if (size(members) == 0) cycle
           call find_layer_axes(reader, names, model, s, l, orientation, k, is_given)
-          if (.not. is_given .and. (reader%dialect == DIALECT_CALCULIX .or. .not. (allocated(section%layers) .or. &
-            has_directions(model%materials(model%mesh%material(members(1))))))) cycle
+          if (.not. (is_given .or. reader%dialect == DIALECT_CALCULIX .or. allocated(section%layers) .or. &
+            has_directions(model%materials(model%mesh%material(members(1)))))) cycle
           model%orientations = [model%orientations, orientation]
           model%element_orientation(members) = size(model%orientations)
           if (k == 0) cycle

@@ -8,7 +8,7 @@ module amontons_element_kinds
   public :: element_kind_type, facet_kind_type, element_kind, kind_family, facet_kind, &
     element_kind_by_name, has_midsides
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
-  public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_CSS8, KIND_CSS6
+  public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_C3D15_LAYER, KIND_CSS8, KIND_CSS6
   public :: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
@@ -39,56 +39,57 @@ module amontons_element_kinds
   integer, parameter :: KIND_BEAM_PIPE = 14    !< ... 8 on a circle
   integer, parameter :: KIND_BEAM_BOX = 15     !< ... 3 on each of four walls
   integer, parameter :: KIND_BEAM_CIRC = 16    !< ... 4 and 8 on two circles
-  integer, parameter :: N_SOLID_KINDS = 16    !< the kinds up to here are three-dimensional solids
-  integer, parameter :: KIND_CPS3 = 17        !< plane stress: triangle, 1 point
-  integer, parameter :: KIND_CPS4 = 18        !< quadrilateral, 4 points
-  integer, parameter :: KIND_CPS4R = 19       !< quadrilateral, 1 point, hourglass stiffness
-  integer, parameter :: KIND_CPS6 = 20        !< quadratic triangle, 3 points
-  integer, parameter :: KIND_CPS8 = 21        !< quadratic quadrilateral, 9 points
-  integer, parameter :: KIND_CPS8R = 22       !< the same, 4 points
-  integer, parameter :: KIND_CPE3 = 23        !< plane strain: the same six shapes ...
-  integer, parameter :: KIND_CPE4 = 24        !< ... with mean dilatation
-  integer, parameter :: KIND_CPE4_FULL = 25   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CPE4R = 26
-  integer, parameter :: KIND_CPE6 = 27
-  integer, parameter :: KIND_CPE8 = 28
-  integer, parameter :: KIND_CPE8R = 29
-  integer, parameter :: KIND_CAX3 = 30        !< axisymmetric about y, x is the radius: the same
-  integer, parameter :: KIND_CAX4 = 31        !< ... with mean dilatation
-  integer, parameter :: KIND_CAX4_FULL = 32   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CAX4R = 33
-  integer, parameter :: KIND_CAX6 = 34
-  integer, parameter :: KIND_CAX8 = 35
-  integer, parameter :: KIND_CAX8R = 36
-  integer, parameter :: KIND_CAX_SHELL = 37   !< of a shell: two places along it, five heights
-  integer, parameter :: KIND_M3D3 = 38        !< membranes in space: triangle, 1 point
-  integer, parameter :: KIND_M3D6 = 41        !< 39: M3D4, 40: M3D4R, both with 4 points; 41: quadratic triangle, 3 points
-  integer, parameter :: KIND_M3D8R = 43       !< 42: M3D8, 9 points; 43: the same, 4 points
-  integer, parameter :: KIND_T3D2 = 44        !< straight truss, 1 point
-  integer, parameter :: KIND_T3D3 = 45        !< curved truss, 2 points; here the nodes are the ends, then the middle
-  integer, parameter :: KIND_SPRINGA = 46     !< spring along the line between two nodes
-  integer, parameter :: KIND_SPRING1 = 47     !< spring between a node and the ground, in one direction
-  integer, parameter :: KIND_SPRING2 = 48     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_GAPUNI = 49      !< gap between two nodes, in one direction
-  integer, parameter :: KIND_MASS = 50        !< point mass
-  integer, parameter :: KIND_R2D2 = 51        !< rigid edge in the plane: a face on both sides, no stiffness
-  integer, parameter :: KIND_RAX2 = 52        !< the same of a body of revolution
-  integer, parameter :: KIND_USER = 53        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
-  integer, parameter :: N_KINDS = 53
+  integer, parameter :: KIND_C3D15_LAYER = 17   !< quadratic wedge, 6 points: a layer of a composite S6 (calculix dialect)
+  integer, parameter :: N_SOLID_KINDS = 17    !< the kinds up to here are three-dimensional solids
+  integer, parameter :: KIND_CPS3 = 18        !< plane stress: triangle, 1 point
+  integer, parameter :: KIND_CPS4 = 19        !< quadrilateral, 4 points
+  integer, parameter :: KIND_CPS4R = 20       !< quadrilateral, 1 point, hourglass stiffness
+  integer, parameter :: KIND_CPS6 = 21        !< quadratic triangle, 3 points
+  integer, parameter :: KIND_CPS8 = 22        !< quadratic quadrilateral, 9 points
+  integer, parameter :: KIND_CPS8R = 23       !< the same, 4 points
+  integer, parameter :: KIND_CPE3 = 24        !< plane strain: the same six shapes ...
+  integer, parameter :: KIND_CPE4 = 25        !< ... with mean dilatation
+  integer, parameter :: KIND_CPE4_FULL = 26   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CPE4R = 27
+  integer, parameter :: KIND_CPE6 = 28
+  integer, parameter :: KIND_CPE8 = 29
+  integer, parameter :: KIND_CPE8R = 30
+  integer, parameter :: KIND_CAX3 = 31        !< axisymmetric about y, x is the radius: the same
+  integer, parameter :: KIND_CAX4 = 32        !< ... with mean dilatation
+  integer, parameter :: KIND_CAX4_FULL = 33   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CAX4R = 34
+  integer, parameter :: KIND_CAX6 = 35
+  integer, parameter :: KIND_CAX8 = 36
+  integer, parameter :: KIND_CAX8R = 37
+  integer, parameter :: KIND_CAX_SHELL = 38   !< of a shell: two places along it, five heights
+  integer, parameter :: KIND_M3D3 = 39        !< membranes in space: triangle, 1 point
+  integer, parameter :: KIND_M3D6 = 42        !< 40: M3D4, 41: M3D4R, both with 4 points; 42: quadratic triangle, 3 points
+  integer, parameter :: KIND_M3D8R = 44       !< 43: M3D8, 9 points; 44: the same, 4 points
+  integer, parameter :: KIND_T3D2 = 45        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 46        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 47     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 48     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 49     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_GAPUNI = 50      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 51        !< point mass
+  integer, parameter :: KIND_R2D2 = 52        !< rigid edge in the plane: a face on both sides, no stiffness
+  integer, parameter :: KIND_RAX2 = 53        !< the same of a body of revolution
+  integer, parameter :: KIND_USER = 54        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
+  integer, parameter :: N_KINDS = 54
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 54          !< shells
-  integer, parameter :: KIND_S4 = 55
-  integer, parameter :: KIND_S4R = 56
-  integer, parameter :: KIND_S6 = 57
-  integer, parameter :: KIND_S8 = 58
-  integer, parameter :: KIND_S8R = 59
-  integer, parameter :: KIND_B31 = 60         !< beams
-  integer, parameter :: KIND_B31R = 61
-  integer, parameter :: KIND_B32 = 62         !< end, middle, end
-  integer, parameter :: KIND_B32R = 63
-  integer, parameter :: KIND_SAX1 = 64        !< axisymmetric shells
-  integer, parameter :: KIND_SAX2 = 65        !< end, middle, end
-  integer, parameter :: N_DECK_KINDS = 65
+  integer, parameter :: KIND_S3 = 55          !< shells
+  integer, parameter :: KIND_S4 = 56
+  integer, parameter :: KIND_S4R = 57
+  integer, parameter :: KIND_S6 = 58
+  integer, parameter :: KIND_S8 = 59
+  integer, parameter :: KIND_S8R = 60
+  integer, parameter :: KIND_B31 = 61         !< beams
+  integer, parameter :: KIND_B31R = 62
+  integer, parameter :: KIND_B32 = 63         !< end, middle, end
+  integer, parameter :: KIND_B32R = 64
+  integer, parameter :: KIND_SAX1 = 65        !< axisymmetric shells
+  integer, parameter :: KIND_SAX2 = 66        !< end, middle, end
+  integer, parameter :: N_DECK_KINDS = 66
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
@@ -149,6 +150,8 @@ contains
       entry = wedge_kind('C3D6', 6, 2, 13)
     case (KIND_C3D15)
       entry = wedge_kind('C3D15', 15, 9, 26)
+    case (KIND_C3D15_LAYER)
+      entry = wedge_kind('layWedge', 15, 6, 26)   ! no deck can name it
     case (KIND_C3D8)
       entry = hexahedron_kind('C3D8', 8, 8, 12)
       entry%is_mean_dilatation = .true.

@@ -6,7 +6,8 @@ module amontons_structural_data
   private
   public :: structural_section_type, layer_type, structure_type, director_type
   public :: SECTION_RECT, SECTION_CIRC, SECTION_PIPE, SECTION_BOX
-  public :: find_node_directors, expanded_nodes, mean_weights, force_weights, n_section_layers
+  public :: find_node_directors, expanded_nodes, mean_weights, force_weights, n_section_layers, layer_heights, &
+    middle_node, parabola_weights, following_nodes
 
   integer, parameter :: SECTION_RECT = 1     !< cross-section of a beam: a rectangle
   integer, parameter :: SECTION_CIRC = 2     !< a circle or an ellipse
@@ -40,18 +41,24 @@ module amontons_structural_data
 
   !> What a node of some elements expands into: the nodes of its fibre (shells) or of its cross-section (beams).
   !!
-  !! A fibre through n layers: bottom, top, the n - 1 interfaces, then the middles of the layers at corners of quadratic elements. A
+  !! A fibre through n layers: bottom, top, the n - 1 interfaces, then the middles of the layers at corners of quadratic elements.
+  !! One that elements of different layers share has the interfaces of all of them, then the middles; each place once. A
   !! cross-section: its corners, then the middles of its sides at the ends of quadratic elements.
   type :: director_type
     integer :: node = 0                      !< of the deck
     integer :: n_outer = 0                   !< 2: bottom and top of a fibre; 4: corners of a cross-section
     integer, allocatable :: nodes(:)         !< in the order above
     real(DP), allocatable :: height(:)       !< (0:n_layers) of the faces of the layers, from -1/2 to 1/2 [-]
+    real(DP), allocatable :: place(:)        !< of a fibre: of its nodes, from 0 at the bottom to 1 on top [-]
+    logical :: has_middles = .false.         !< a fibre at a corner of quadratic elements
     real(DP) :: axes(3, 2) = 0               !< unit vectors: the normal of a shell; both local directions of a beam
     real(DP) :: thickness(2) = 0             !< along them [length]
     real(DP) :: offset(2) = 0                !< of the node over the thickness from the middle, along them [-]
     integer :: section = 0                   !< of the first element that has it
+    integer, allocatable :: sections(:)      !< of all elements that have it
     logical :: is_meridional = .false.       !< the fibre of an axisymmetric shell: it stays in the plane
+    logical :: is_one_solid = .false.        !< of quadratic shells of the calculix dialect: all their layers are one solid each
+    logical :: is_parabolic = .false.        !< of them, of several layers: its displacement is one parabola
     logical :: is_round = .false.            !< the corners of the cross-section lie on an ellipse through the middles of its sides
   end type director_type
 
@@ -108,7 +115,8 @@ contains
   !> The weights of the nodes of a director in the displacement of its node.
   !!
   !! Shells: by Simpson's rule where the fibre has one middle. Under the abaqus dialect a node off the middle moves as the place of
-  !! the fibre or cross-section where it is. Fibres through several layers: the displacement of that place in its layer.
+  !! the fibre or cross-section where it is. Fibres through several layers: the displacement of that place in its layer; where these
+  !! are one solid, as of this solid.
   pure function mean_weights(director, is_calculix) result(weight)
     type(director_type), intent(in) :: director
     logical, intent(in) :: is_calculix           !< dialect
@@ -117,6 +125,9 @@ contains
     weight = 0
     if (director%n_outer == 4) then              ! bilinear in the cross-section
       weight(:4) = (0.5_DP + [-s(1), -s(1), s(1), s(1)]) * (0.5_DP + [s(2), -s(2), -s(2), s(2)])
+    else if (director%is_parabolic) then
+      weight(:2) = 0.5_DP
+      if (middle_node(director) > 0) weight = solid_weights(director, [real(DP) :: 1, 1, 4] / 6)
     else if (n_director_layers(director) > 1) then
       weight = layer_weights(director, s(1))
     else if (size(director%nodes) == 3 .and. .not. abs(s(1)) > 0) then
@@ -151,6 +162,68 @@ contains
   end function layer_weights
 
 
+  !> The places of the faces of the layers of a section over its thickness, from -1/2 to 1/2.
+  pure function layer_heights(section) result(height)
+    type(structural_section_type), intent(in) :: section
+    real(DP) :: height(0:n_section_layers(section))
+    integer :: k
+    height(0) = -0.5_DP
+    height(ubound(height, 1)) = 0.5_DP
+    do k = 1, ubound(height, 1) - 1
+      height(k) = sum(section%layers(:k)%thickness) / sum(section%layers%thickness) - 0.5_DP
+    end do
+  end function layer_heights
+
+
+  !> The inner node nearest to the middle of a fibre at a corner, as an index into its nodes; 0: the fibre is not at a corner. It is
+  !! at most a sixth of the thickness off the middle.
+  pure integer function middle_node(director) result(middle)
+    type(director_type), intent(in) :: director
+    middle = 0
+    if (director%has_middles) middle = 2 + minloc(abs(director%place(3:) - 0.5_DP), dim=1)
+  end function middle_node
+
+
+  !> Whether nodes of the mesh follow others of their fibre, whose displacement is a parabola.
+  pure function following_nodes(structure, n_nodes) result(follows)
+    type(structure_type), intent(in), allocatable :: structure
+    integer, intent(in) :: n_nodes               !< of the mesh
+    logical :: follows(n_nodes)
+    integer :: i, k
+    follows = .false.
+    if (.not. allocated(structure)) return
+    if (.not. allocated(structure%directors)) return
+    do i = 1, size(structure%directors)
+      associate (director => structure%directors(i))
+        if (.not. director%is_parabolic) cycle
+        k = middle_node(director)
+        follows(director%nodes(3:)) = .true.
+        if (k > 0) follows(director%nodes(k)) = .false.
+      end associate
+    end do
+  end function following_nodes
+
+
+  !> The weights of bottom, top and middle_node at a place of a fibre whose displacement is a parabola.
+  pure function parabola_weights(director, place) result(weight)
+    type(director_type), intent(in) :: director
+    real(DP), intent(in) :: place                !< 0 at the bottom, 1 on top
+    real(DP) :: weight(3), m
+    m = director%place(middle_node(director))
+    weight = [(1 - place) * (m - place) / m, place * (place - m) / (1 - m), place * (1 - place) / (m * (1 - m))]
+  end function parabola_weights
+
+
+  !> Weights of bottom, top and middle of a fibre whose displacement is a parabola, as those of its nodes.
+  pure function solid_weights(director, of_solid) result(weight)
+    type(director_type), intent(in) :: director
+    real(DP), intent(in) :: of_solid(3)          !< bottom, top, middle
+    real(DP) :: weight(size(director%nodes))
+    weight = 0
+    weight([1, 2, middle_node(director)]) = of_solid(3) * parabola_weights(director, 0.5_DP) + [of_solid(:2), 0.0_DP]
+  end function solid_weights
+
+
   !> The number of layers of a director; 1 for beams.
   pure integer function n_director_layers(director) result(n)
     type(director_type), intent(in) :: director
@@ -174,6 +247,7 @@ contains
     logical, intent(in) :: is_calculix           !< dialect
     real(DP) :: weight(size(director%nodes))
     weight = mean_weights(director, is_calculix)
+    if (director%is_parabolic .and. middle_node(director) > 0) weight = solid_weights(director, [-0.5_DP, -0.5_DP, 2.0_DP])
     if (director%n_outer == 4 .or. n_director_layers(director) > 1 .or. size(weight) < 3 .or. director%is_meridional) return
     if (abs(weight(3)) > 0) weight = [-0.5_DP, -0.5_DP, 2.0_DP]
   end function force_weights

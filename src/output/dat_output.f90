@@ -2,7 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Titles and columns are those of CalculiX. RF depends on the dialect: under calculix the block `forces` contains all external
-!! forces on a node (supports, loads), under abaqus only the reactions of supports.
+!! forces on a node (supports, loads), under abaqus only the reactions of supports. Under calculix a composite shell is one element,
+!! whose points count through its layers from the bottom.
 module amontons_dat_output
   use amontons_kinds, only: DP
   use amontons_beam_rules, only: MAX_PRINTED_POINTS
@@ -317,7 +318,7 @@ contains
     type(set_type), intent(in) :: set
     real(DP), intent(in) :: values(:, :)           !< (n_components, n_points)
     real(DP) :: matrix(MAX_PRINTED_POINTS, MAX_ELEMENT_POINTS), row(size(values, 1))
-    integer :: i, p, k, first, n, n_rows
+    integer :: i, p, k, first, n, n_rows, below
     do i = 1, size(set%members)
       associate (e => set%members(i), mesh => model%mesh)
         if (is_out(model, step, e)) cycle
@@ -332,12 +333,23 @@ contains
           write (unit, POINT_FORMAT) mesh%element_label(e), p, row
         end do
         if (n_rows > 0) cycle
+        below = layers_below(model, e)
         do p = 1, n
-          write (unit, POINT_FORMAT) mesh%element_label(e), p, values(:, first + p - 1)
+          write (unit, POINT_FORMAT) mesh%element_label(e - below), n * below + p, values(:, first + p - 1)
         end do
       end associate
     end do
   end subroutine print_point_rows
+
+
+  !> The layers below an element that are printed as one element with it: those of a composite shell of the calculix dialect. They
+  !! stand before it, in the mesh as in sets.
+  pure integer function layers_below(model, e) result(n)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                       !< element
+    n = 0
+    if (model%dialect == DIALECT_CALCULIX .and. allocated(model%mesh%layer)) n = model%mesh%layer(e) - 1
+  end function layers_below
 
 
   !> A block with the integral over each element of a set of a density, or of 1, per reference volume, and their sum.
@@ -350,11 +362,12 @@ contains
     real(DP), intent(in) :: time                   !< total time [time]
     real(DP), intent(in), optional :: density(:)   !< (n_points); default 1
     type(set_type) :: set
-    real(DP) :: volumes(MAX_ELEMENT_POINTS), integral, total, share
-    integer :: i, n, first
+    real(DP) :: volumes(MAX_ELEMENT_POINTS), integral, total, share, of_layers
+    integer :: i, n, first, below
     set = set_of(model%mesh, request)
     if (.not. request%is_only_totals) call print_head(unit, trim(titles(1)), set, time)
     total = 0
+    of_layers = 0
     share = sector_share(model)
     associate (mesh => model%mesh)
       do i = 1, size(set%members)
@@ -365,7 +378,13 @@ contains
         if (present(density)) integral = dot_product(volumes(:n), density(first:first + n - 1))
         integral = share * integral
         total = total + integral
-        if (.not. request%is_only_totals) write (unit, NODE_FORMAT) mesh%element_label(set%members(i)), integral
+        below = layers_below(model, set%members(i))
+        of_layers = integral + merge(of_layers, 0.0_DP, below > 0)
+        if (request%is_only_totals) cycle
+        if (i < size(set%members)) then
+          if (layers_below(model, set%members(i + 1)) > below) cycle
+        end if
+        write (unit, NODE_FORMAT) mesh%element_label(set%members(i) - below), of_layers
       end do
     end associate
     if (.not. (request%is_totals .or. request%is_only_totals)) return

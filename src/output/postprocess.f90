@@ -17,7 +17,7 @@ module amontons_postprocess
   use amontons_beam_rules, only: is_beam_kind, interpolate_printed_points, MAX_PRINTED_POINTS
   use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, &
     FAMILY_MEMBRANE, FAMILY_SPRING, has_faces_in_space, KIND_C3D6, KIND_C3D8, &
-    KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, &
+    KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, &
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
     KIND_CPE8R, KIND_CPS4, KIND_CPS6, KIND_CPS8, KIND_CPS8R, KIND_T3D2, KIND_T3D3, MAX_FACE_NODES, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, N_KINDS, N_CIRCLE_SECTORS
@@ -267,7 +267,7 @@ contains
     select case (kind)
     case (KIND_C3D10)
       a = 30.0_DP
-    case (KIND_C3D15, KIND_CPS6, KIND_CPE6, KIND_CAX6)
+    case (KIND_C3D15, KIND_C3D15_LAYER, KIND_CPS6, KIND_CPE6, KIND_CAX6)
       a = 46.189_DP
     case (KIND_C3D20)
       a = 5.115_DP

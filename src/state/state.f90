@@ -9,13 +9,13 @@ module amontons_state
   use amontons_logarithmic_strain, only: tensor_exp
   use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
   use amontons_slave_node_overrides, only: node_overrides_type
-  use amontons_shape_functions, only: shape_functions, quadrature
+  use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
   use amontons_user_elements, only: n_user_memory
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
   use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_CAX_SHELL, is_membrane, MAX_ELEMENT_NODES, &
-    MAX_ELEMENT_POINTS
+    MAX_ELEMENT_POINTS, MAX_FACE_NODES, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8
   implicit none
   private
   public :: set_temperatures, history_variable, n_amplitude_memory, equivalent_plastic_strain, state_variables, n_state_variables
@@ -194,6 +194,13 @@ contains
     do e = 1, model%mesh%n_elements
       k = model%element_orientation(e)
       if (k == 0) cycle
+      if (model%dialect == DIALECT_CALCULIX .and. model%orientations(k)%is_projected .and. allocated(model%structure)) then
+        if (model%structure%section(e) > 0) then
+          frame(:, :, model%mesh%point_first(e):model%mesh%point_first(e + 1) - 1) = spread(find_shell_frame(model, e), 3, &
+            model%mesh%point_first(e + 1) - model%mesh%point_first(e))
+          cycle
+        end if
+      end if
       call element_nodes(model%mesh, e, n_nodes, nodes)
       call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
       do p = 1, model%mesh%point_first(e + 1) - model%mesh%point_first(e)
@@ -213,6 +220,26 @@ contains
       end do
     end do
   end subroutine find_material_frames
+
+
+  !> The local axes of a shell of the calculix dialect: as in CalculiX those at the origin of its natural coordinates, the centre
+  !! of a quadrilateral or the first node of a triangle, for all its points (found by experiment with CalculiX 2.20).
+  pure function find_shell_frame(model, e) result(frame)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: e                       !< its solid
+    real(DP) :: frame(3, 3)                        !< axes in columns
+    real(DP) :: N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    integer, parameter :: OF_NODES(3:8) = [FACET_TRI3, FACET_QUAD4, 0, FACET_TRI6, 0, FACET_QUAD8]
+    integer :: m
+    associate (nodes => model%structure%nodes(model%structure%first(e):model%structure%first(e + 1) - 1))
+      m = size(nodes)
+      call facet_shapes(OF_NODES(m), [0.0_DP, 0.0_DP], N, dN, ddN)
+      associate (X => model%mesh%coordinates(:, nodes))
+        frame = evaluate_orientation(model%orientations(model%element_orientation(e)), matmul(X, N(:m)), &
+          unit_normal(matmul(X, dN(1, :m)), matmul(X, dN(2, :m))))
+      end associate
+    end associate
+  end function find_shell_frame
 
 
   !> The unit vector across two others.

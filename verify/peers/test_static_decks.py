@@ -55,13 +55,8 @@ TIGHT = ("*STATIC", "*CONTROLS, PARAMETERS=FIELD\n1.e-9, 1.e-9\n*STATIC")
 # and would print the end of the step alone: these decks are given CalculiX's increments, and nothing else is changed.
 INCREMENTS = {"beamplane": ("*STATIC\n", "*STATIC\n.25, 1., , .25\n")}
 
-# Decks of composite shells, and what the number of an element grows by from layer to layer here. CalculiX has one element with two
-# points over each layer; their stresses are made from ours, three over each layer.
-LAYERED = {"shell4": 1000}
-
 # Why decks that agree are not nearer: listed in the table.
 NOTES = {
-    "shell4": "stresses at CalculiX's two points over a layer, on the line through ours: each layer is a solid of its own here",
     "beampic": "CalculiX's iterative solver stopped at its tolerance; beamidset is the same model by its direct one",
     "beammrco": "the deck requests a tolerance of 0.25, at which CalculiX stopped earlier",
     "beamnh": "CalculiX's last load is that of the iterate before: its stress is 2.004 under a pull of 2",
@@ -180,27 +175,6 @@ def with_increments(deck: Path, folder: Path) -> Path:
     return copy
 
 
-def as_one_element(block: Block, step: int) -> Block:
-    """A table of stresses with the layers of a composite wedge as one element, at the points +-1/sqrt(3) of each layer.
-
-    In a layer of one material in-plane stresses are linear over the thickness. Ours stand in lines of three over it (Gauss points of
-    order three: -sqrt(0.6), 0, sqrt(0.6)); the ends of a line and a straight line between them give those of order two. The lines of
-    a wedge are three in both programs.
-    """
-    if block.title != "stresses":
-        return block
-    lines, place = 3, (1 / 3**0.5) / 0.6**0.5
-    rows: dict[tuple[int, ...], list[float]] = {}
-    for element, point in block.rows:
-        if point > lines:
-            continue
-        low, high = (np.array(block.rows[element, k]) for k in (point, point + 2 * lines))
-        layer = element // step
-        for k, s in enumerate((-place, place)):
-            rows[element % step, 2 * lines * layer + lines * k + point] = list((low + high) / 2 + s * (high - low) / 2)
-    return Block(block.title, block.set_name, block.time, rows)
-
-
 def read_ours(deck: Path, folder: Path) -> list[Deviation]:
     """The deviations of all blocks of the references of a deck that has run."""
     tables, fields = references(deck)
@@ -210,8 +184,6 @@ def read_ours(deck: Path, folder: Path) -> list[Deviation]:
     if tables:
         dat = folder / (deck.stem + ".dat")
         ours = read_dat(dat) if dat.exists() else []
-        if deck.stem in LAYERED:
-            ours = [as_one_element(block, LAYERED[deck.stem]) for block in ours]
         deviations = compare(ours, tables, is_plane(deck),
                              node_labels(folder / (deck.stem + ".vtkhdf")))
     if fields:

@@ -219,3 +219,40 @@ def test_nafems_strip(proof: Proof, kind: str, n: int, allowed: float) -> None:
     stress = float(np.mean(job.last("S")[bottom, 0]))
     case.near("stress", stress, 683.9 * 2 / 3, 0.01, why="means over the elements beside a node", place="bottom, 5 from the middle", time="the end")
     case.done()
+
+
+@pytest.mark.parametrize("kind", ["S8R", "S6"])
+def test_one_solid_through_all_layers(proof: Proof, kind: str) -> None:
+    """Layers of different stiffness under pressure from both sides, calculix dialect."""
+    case = proof(
+        f"composite-one-solid-{kind.lower()}",
+        title=f"Layers of different stiffness pressed across the thickness, calculix dialect, {kind}",
+        model="A square 2 x 2 of layers of 0.1, 0.5 and 0.2 with E = 210, 1, 20, nu = 0, pressed with 1 on both faces; springs hold it.",
+        formula="In one solid of 20 or 15 nodes the strain across the thickness is c0 + c1 z, z from -1 to 1: the least energy has c1 = -c0 E1/E2 and "
+        "c0 = -2/(E0 - E1^2/E2), with the moments E_k = int E z^k dz of the layers. The stress is E (c0 + c1 z), not -1 as in separate layers.",
+        source="Minimum of the potential energy: K.-J. Bathe, Finite Element Procedures, Prentice Hall 1996, section 4.2; one solid for all layers: CalculiX CrunchiX manual",
+        proves="All layers are one solid, integrated layer by layer at two heights each: moments of a stiffness that jumps.",
+    )
+    thickness, moduli = np.array([0.1, 0.5, 0.2]), np.array([210.0, 1.0, 20.0])
+    faces = 2 * np.concatenate([[0.0], np.cumsum(thickness)]) / thickness.sum() - 1
+    e0, e1, e2 = (float(moduli @ np.diff(faces ** (k + 1)) / (k + 1)) for k in range(3))
+    c0 = -2 / (e0 - e1 * e1 / e2)
+    c1 = -c0 * e1 / e2
+    body = shell(kind, (2, 2), lambda u, v: (2 * u, 2 * v, 0 * u))
+    names = "ABC"
+    cards = "".join(f"*MATERIAL, NAME={name}\n*ELASTIC\n{e:g}, 0.\n" for name, e in zip(names, moduli, strict=True))
+    cards += "*SHELL SECTION, ELSET=E, COMPOSITE\n" + "".join(f"{t:g}, , {name}\n" for name, t in zip(names, thickness, strict=True))
+    corners = [body.at(0, 0), body.at(1, 0), body.at(0, 1)]
+    springs = [(corners[0], 1), (corners[0], 2), (corners[1], 2)] + [(corner, 3) for corner in corners]
+    for i, (node, dof) in enumerate(springs):
+        cards += f"*ELEMENT, TYPE=SPRING1, ELSET=K{i}\n{900 + i}, {node + 1}\n*SPRING, ELSET=K{i}\n{dof}\n1.\n"
+    cards += "*SURFACE, NAME=TOP\nE, SPOS\n*SURFACE, NAME=BOTTOM\nE, SNEG\n"
+    job = case.run("** dialect: calculix\n" + body.cards() + cards + step("*DSLOAD\nTOP, P, 1.\nBOTTOM, P, 1.\n"), kind)
+    stress = job.integration_points("S")[-1]
+    places = ((faces[:-1] + faces[1:]) / 2)[:, None] + np.outer(np.diff(faces), [-0.5, 0.5]) / np.sqrt(3)
+    expected = moduli[:, None] * (c0 + c1 * places)
+    n = stress.shape[0] // len(body.elements) // 6
+    found = stress[:, 2].reshape(len(body.elements), 3, 2, n)
+    case.near("stress across the thickness", found, np.broadcast_to(expected[None, :, :, None], found.shape), 2e-5,
+              why="springs; S8R has a stabilization of 1e-5", place="all points", time="the end")  # fmt: skip
+    case.done()

@@ -8,6 +8,7 @@ program test_shape_functions
   use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, MAX_ELEMENT_NODES, &
     MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_CSS6, &
+    KIND_C3D15_LAYER, &
     KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_M3D8R, KIND_USER, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, &
     FAMILY_RIGID, FACET_TRI3, &
     FACET_QUAD4, FACET_QUAD8, FACET_LINE2, FACET_LINE3, element_kind_by_name
@@ -131,7 +132,7 @@ contains
       is_exact = i + j <= 1 .and. k <= 3
     case (KIND_C3D15)
       is_exact = i + j <= 2 .and. k <= 5
-    case (KIND_CSS6)
+    case (KIND_CSS6, KIND_C3D15_LAYER)
       is_exact = i + j <= 2 .and. k <= 3
     case (KIND_C3D8R)
       is_exact = max(i, j, k) <= 1
@@ -178,7 +179,7 @@ contains
     select case (kind)
     case (KIND_C3D4, KIND_C3D10)
       exact_integral = factorial(i) * factorial(j) * factorial(k) / factorial(i + j + k + 3)
-    case (KIND_C3D6, KIND_C3D15, KIND_CSS6)
+    case (KIND_C3D6, KIND_C3D15, KIND_C3D15_LAYER, KIND_CSS6)
       exact_integral = factorial(i) * factorial(j) / factorial(i + j + 2) * line_integral(k)
     case (KIND_CPS3:KIND_M3D8R)
       exact_integral = line_integral(i) * line_integral(j)
