@@ -17,7 +17,8 @@ module amontons_matrix_reduction
 
   !> Plan of the summation A = C' K C: built once for a pattern of K and C, used for all values of them.
   !> Most unknowns are direct: their row of C has one entry, and the columns of these entries ascend. Their entries of K are found
-  !> in A by walking along both rows. The other entries are expanded.
+  !> in A by walking along both rows. The other entries are expanded, row by row: with s = sum K_ij C_j over those of row i, half of
+  !! K_ii, A = A + C_i' s + s' C_i. The columns of s are far fewer than the entries of all C_j.
   type :: reduction_type
     private
     integer :: n_entries_k = 0                 !< of K, to recognise a wrong matrix
@@ -26,7 +27,9 @@ module amontons_matrix_reduction
     integer, allocatable :: row(:)             !< rows of K that have expanded entries
     integer, allocatable :: row_first(:)       !< (size(row) + 1) start of a row's entries in entry(:)
     integer, allocatable :: entry(:)           !< expanded entries of K
-    integer, allocatable :: pair(:)            !< entry of A for each pair of C's entries; negative: counts twice
+    integer, allocatable :: width(:)           !< (size(row)) columns of s
+    integer, allocatable :: slot(:)            !< column of s for each entry of C_j, for each expanded entry of K
+    integer, allocatable :: target(:)          !< entry of A for each entry of C_i with each column of s; negative: counts twice
   end type reduction_type
 
   !> A list of integers that grows.
@@ -245,16 +248,17 @@ contains
   end function find_target
 
 
-  !> The entries of K that touch an unknown which is not direct, and the targets of all their pairs, in the order
-  !> row i of K, entry a of row i of C, entry of K, entry b of C.
+  !> The entries of K that touch an unknown which is not direct; for each row the columns of s and their targets in A.
   subroutine find_pair_targets(matrix, transformation, reduced, reduction, error)
     type(sparse_type), intent(in) :: matrix, transformation, reduced
     type(reduction_type), intent(inout) :: reduction
     type(error_type), allocatable, intent(out) :: error
-    integer :: place(transformation%n_columns)
-    type(growing_list_type) :: rows, row_first, entries, pairs
+    integer :: place(transformation%n_columns), slot_of(transformation%n_columns)
+    type(growing_list_type) :: rows, row_first, entries, widths, slots, targets
+    integer, allocatable :: columns(:)
     integer :: i, p, a, n_before
     place = 0
+    slot_of = 0
     do i = 1, matrix%n_rows
       n_before = entries%n
       do p = matrix%first(i), matrix%first(i + 1) - 1
@@ -266,20 +270,24 @@ contains
       if (entries%n == n_before) cycle
       call rows%append(i)
       call row_first%append(n_before + 1)
+      call find_slots(transformation, matrix%column(entries%items(n_before + 1:entries%n)), slot_of, slots, columns)
+      call widths%append(size(columns))
       do a = transformation%first(i), transformation%first(i + 1) - 1
         call mark_row(reduced, transformation%column(a), place)
-        call append_pairs(matrix, transformation, reduced, i, a, entries%items(n_before + 1:entries%n), place, pairs)
+        call append_targets(reduced, transformation%column(a), columns, place, targets)
       end do
     end do
     call row_first%append(entries%n + 1)
-    if (pairs%is_full) then
+    if (slots%is_full .or. targets%is_full) then
       call set_too_large(error)
       return
     end if
     call rows%to_array(reduction%row)
     call row_first%to_array(reduction%row_first)
     call entries%to_array(reduction%entry)
-    call pairs%to_array(reduction%pair)
+    call widths%to_array(reduction%width)
+    call slots%to_array(reduction%slot)
+    call targets%to_array(reduction%target)
   contains
 
     !> Entries of one row of C.
@@ -290,27 +298,50 @@ contains
   end subroutine find_pair_targets
 
 
-  !> The targets of the pairs of one entry of C in row i with all entries of C that some entries of row i of K reach.
-  pure subroutine append_pairs(matrix, transformation, reduced, i, a, entries, place, pairs)
-    type(sparse_type), intent(in) :: matrix, transformation, reduced
-    integer, intent(in) :: i                   !< row of K
-    integer, intent(in) :: a                   !< entry of C in its row i
-    integer, intent(in) :: entries(:)          !< of row i of K
-    integer, intent(in) :: place(:)            !< as mark_row sets it for the row of A of this entry
-    type(growing_list_type), intent(inout) :: pairs
-    integer :: e, j, b, target
-    do e = 1, size(entries)
-      j = matrix%column(entries(e))
-      do b = merge(a, transformation%first(j), j == i), transformation%first(j + 1) - 1
-        target = find_target(reduced, transformation%column(a), transformation%column(b), place)
-        if (j /= i .and. transformation%column(a) == transformation%column(b)) target = -target
-        call pairs%append(target)
+  !> The columns of some rows of C, each once, and for each entry of these rows the place of its column among them.
+  pure subroutine find_slots(transformation, rows, slot_of, slots, columns)
+    type(sparse_type), intent(in) :: transformation
+    integer, intent(in) :: rows(:)
+    integer, intent(inout) :: slot_of(:)       !< (n_columns) 0, in and out
+    type(growing_list_type), intent(inout) :: slots
+    integer, allocatable, intent(out) :: columns(:)
+    integer :: e, b, n
+    allocate (columns(sum(transformation%first(rows + 1) - transformation%first(rows))))
+    n = 0
+    do e = 1, size(rows)
+      do b = transformation%first(rows(e)), transformation%first(rows(e) + 1) - 1
+        associate (column => transformation%column(b))
+          if (slot_of(column) == 0) then
+            n = n + 1
+            columns(n) = column
+            slot_of(column) = n
+          end if
+          call slots%append(slot_of(column))
+        end associate
       end do
     end do
-  end subroutine append_pairs
+    columns = columns(:n)
+    slot_of(columns) = 0
+  end subroutine find_slots
 
 
-  !> A = C' K C for new values of K and C in the patterns analysed. Cost: one pass over K, A and the expanded pairs. The threads
+  !> The targets of the products of one entry of C with some columns.
+  pure subroutine append_targets(reduced, a, columns, place, targets)
+    type(sparse_type), intent(in) :: reduced
+    integer, intent(in) :: a                   !< column of the entry of C: row of A
+    integer, intent(in) :: columns(:)
+    integer, intent(in) :: place(:)            !< as mark_row sets it for row a
+    type(growing_list_type), intent(inout) :: targets
+    integer :: k, target
+    do k = 1, size(columns)
+      target = find_target(reduced, a, columns(k), place)
+      if (columns(k) == a) target = -target
+      call targets%append(target)
+    end do
+  end subroutine append_targets
+
+
+  !> A = C' K C for new values of K and C in the patterns analysed. Cost: one pass over K, A and the plan. The threads
   !! share the rows of direct unknowns.
   subroutine reduce_matrix(reduction, matrix, transformation, reduced, error)
     type(reduction_type), intent(in) :: reduction
@@ -368,22 +399,31 @@ contains
     type(reduction_type), intent(in) :: reduction
     type(sparse_type), intent(in) :: matrix, transformation
     real(DP), intent(inout) :: value(:)        !< of A
-    real(DP) :: left, product
-    integer :: r, i, j, a, b, e, q, k
-    k = 0
+    real(DP) :: s(max(1, maxval(reduction%width))), amount, product
+    integer :: r, i, j, a, b, e, k, n_slots, n_targets
+    n_slots = 0
+    n_targets = 0
     do r = 1, size(reduction%row)
       i = reduction%row(r)
+      s(:reduction%width(r)) = 0
+      do e = reduction%row_first(r), reduction%row_first(r + 1) - 1
+        j = matrix%column(reduction%entry(e))
+        amount = matrix%value(reduction%entry(e)) * merge(0.5_DP, 1.0_DP, j == i)
+        do b = transformation%first(j), transformation%first(j + 1) - 1
+          n_slots = n_slots + 1
+          associate (sum => s(reduction%slot(n_slots)))
+            sum = sum + amount * transformation%value(b)
+          end associate
+        end do
+      end do
       do a = transformation%first(i), transformation%first(i + 1) - 1
-        do e = reduction%row_first(r), reduction%row_first(r + 1) - 1
-          j = matrix%column(reduction%entry(e))
-          left = transformation%value(a) * matrix%value(reduction%entry(e))
-          do b = merge(a, transformation%first(j), j == i), transformation%first(j + 1) - 1
-            k = k + 1
-            q = reduction%pair(k)
-            product = left * transformation%value(b)
+        do k = 1, reduction%width(r)
+          n_targets = n_targets + 1
+          associate (q => reduction%target(n_targets))
+            product = transformation%value(a) * s(k)
             if (q < 0) product = 2 * product
             value(abs(q)) = value(abs(q)) + product
-          end do
+          end associate
         end do
       end do
     end do
