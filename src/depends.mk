@@ -209,8 +209,8 @@ uses_rigid_exterior = kinds text element_kinds mpc_data model
 uses_face_proximity = kinds tensor facets exterior_surface facet_search mortar_segmentation contact_pairs rigid_exterior
 uses_general_contact = kinds text containers surfaces model elasticity facets analytic_master exterior_surface facet_search body_thickness mortar_segmentation body_motion shared_slave_nodes contact_pairs contact_heights exterior_membership rigid_exterior face_proximity
 uses_self_contact_pairs = kinds text element_kinds surfaces model exterior_surface mortar_segmentation general_contact
-uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs face_proximity general_contact self_contact_pairs
-uses_unpaired_crossing = kinds text containers surfaces model exterior_surface facet_crossing facet_search mortar_segmentation state body_motion exterior_membership rigid_exterior face_proximity general_contact unpaired_contact
+uses_unpaired_contact = kinds text containers model facets exterior_surface facet_search mortar_segmentation body_motion contact_pairs exterior_membership face_proximity general_contact self_contact_pairs
+uses_unpaired_crossing = kinds text containers surfaces model facets analytic_master exterior_surface facet_crossing facet_search mortar_segmentation state body_motion exterior_membership rigid_exterior face_proximity general_contact unpaired_contact
 
 # equilibrium
 uses_arc_length = kinds steps model state
@@ -273,7 +273,7 @@ uses_results = kinds errors iteration_records materials mesh steps model state h
 uses_text_output = kinds errors iteration_records posix steps model state dat_output
 
 # driver
-uses_contact_checks = model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
+uses_contact_checks = kinds model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
 uses_submodel_results = kinds text errors posix logger element_kinds loads steps submodels model mesh_point_search global_results
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
 uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies submodel_results user_routine_setup

@@ -7,9 +7,9 @@
 !! of whose nodes, slave and master, supports move along the normal: by themselves, by equations, or with their rigid body. Laws of
 !! the deck give their force for any depth.
 !!
-!! Slave nodes that supports merely hold are none of these while other nodes carry: masters bulge over clamped edges. Where no
-!! contact loads the master, and of a row that supports move as a whole, the relative displacement counts, else that of the slave
-!! node.
+!! Slave nodes that supports merely hold are none of these while other nodes carry: masters bulge over clamped edges. Where the
+!! pair, or one with the sides exchanged, does not load the master, and of a row that supports move as a whole, the relative
+!! displacement counts, else that of the slave node.
 !!
 !! Cost: linear in the slave nodes, with a search for each that supports hold.
 module amontons_driven_slaves
@@ -41,10 +41,11 @@ contains
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     character(:), allocatable, intent(out) :: message   !< '': none
     type(slave_state_type) :: slave
-    logical, allocatable :: is_loaded(:)           ! (n_nodes) known from the first candidate on
+    logical, allocatable :: is_loaded(:)           ! (n_nodes) by the pair is_loaded_by
     logical :: is_driven, is_master_driven, is_faceless(size(slaves))
-    integer :: s
+    integer :: s, is_loaded_by
     message = ''
+    is_loaded_by = 0
     is_faceless = find_faceless_slaves(contact, model, slaves)   ! of removed elements
     do s = 1, size(slaves)
       associate (p => slaves(s)%pair)
@@ -53,7 +54,8 @@ contains
         if (is_compliant(contact%laws(p)) .and. .not. contact%laws(p)%is_penalty) cycle
       end associate
       slave = find_position(model, contact, s, slaves(s), u)
-      if (.not. allocated(is_loaded)) is_loaded = loaded_nodes(contact, slaves, model%mesh%n_nodes)
+      if (is_loaded_by /= slave%pair) is_loaded = loaded_nodes(contact, slaves, model%mesh%n_nodes, slave%pair)
+      is_loaded_by = slave%pair
       call judge_slave(contact, base, slave, u, is_loaded, is_driven, is_master_driven)
       if (.not. is_driven) cycle
       call describe_slave(model, slave, is_master_driven, .not. (is_master_driven .or. norm2(u(:, slave%node)) > 0.0_DP), message)
@@ -82,17 +84,22 @@ contains
   end function find_position
 
 
-  !> The nodes that contact loads, as slaves or as nodes of a master.
-  pure function loaded_nodes(contact, slaves, n_nodes) result(is_loaded)
+  !> The nodes that a pair, or one with the sides exchanged, loads, as slaves or as nodes of a master.
+  pure function loaded_nodes(contact, slaves, n_nodes, pair) result(is_loaded)
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     integer, intent(in) :: n_nodes
-    logical :: is_loaded(n_nodes)
-    integer :: s
+    integer, intent(in) :: pair
+    logical :: is_loaded(n_nodes), is_slave(n_nodes), is_loading(size(contact%facets))
+    integer :: p, s
+    is_slave = .false.
+    is_slave(pack(slaves%node, slaves%pair == pair)) = .true.
+    is_loading = [(p == pair .or. any(is_slave(contact%facets(p)%nodes)), p=1, size(contact%facets))]
     is_loaded = .false.
     do s = 1, size(slaves)
       associate (slave => slaves(s))
         if (slave%facet == 0 .or. .not. norm2(slave%force) > 0.0_DP) cycle
+        if (.not. is_loading(slave%pair)) cycle
         is_loaded(slave%node) = .true.
         associate (facets => contact%facets(slave%pair))
           is_loaded(facets%nodes(facets%first(slave%facet):facets%first(slave%facet + 1) - 1)) = .true.
@@ -110,7 +117,7 @@ contains
     type(constraints_type), intent(in) :: base
     type(slave_state_type), intent(in) :: slave
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    logical, intent(in) :: is_loaded(:)            !< (n_nodes) nodes that contact loads
+    logical, intent(in) :: is_loaded(:)            !< (n_nodes) nodes that the pair loads
     logical, intent(out) :: is_driven, is_master_driven
     type(contact_row_type) :: row
     real(DP) :: way(3)

@@ -12,15 +12,16 @@ module amontons_exterior_membership
 
 contains
 
-  !> The elements that do not count for the exterior of the job: those removed in the first step. A whole body that a later step
-  !! adds counts: until then its faces touch nothing. Cost: linear, and only if elements are removed in the first step.
-  function find_uncounted_elements(model) result(is_out_of_job)
+  !> The elements that do not count for the exterior in a step: those removed in it. A whole body that another step adds counts:
+  !! until then its faces touch nothing. Cost: linear, and only if elements are removed in that step.
+  function find_uncounted_elements(model, step) result(is_out_of_job)
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< of the model, from 1; the pairs of general contact are those of step 1
     logical :: is_out_of_job(model%mesh%n_elements)
     logical, allocatable :: has_present(:)
     integer, allocatable :: body_of_node(:), body(:)
     integer :: e, i, n
-    is_out_of_job = absent_elements(model, 1)
+    is_out_of_job = absent_elements(model, step)
     if (.not. any(is_out_of_job)) return
     call find_connected_nodes(model%mesh, body_of_node, n)
     allocate (has_present(0:n), source=.false.)

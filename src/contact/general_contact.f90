@@ -116,30 +116,29 @@ contains
     found%obstacle = ''
     if (.not. allocated(model%general_contact)) return
     found%warning = unpaired_edges_warning(model)
-    call build_model_exterior(model, exterior)
+    call build_model_exterior(model, 1, exterior)
     call collect_face_data(model, exterior, data)
     call find_near_faces(model%general_contact, exterior, data, SEARCH_RADIUS_RATIO, data%motion, near)
     call find_faces_near_profiles(model, exterior, data, data%motion, near)
     if (near%face%n > 0) call build_pairs(model, exterior, data, near, found, text)
     call report_sheets(model, exterior, near, found%obstacle)
     do i = 1, near%driven%n, 2
-      call report_bodies(model, exterior, near%driven%items(i:i + 1), 'supports prescribe the motion of both rigid bodies', text)
+      call report_bodies(model, exterior, near%driven%items(i:i + 1), text)
     end do
     text = 'General contact: ' // plural(size(found%pairs), 'pair') // ' of ' // to_text(exterior%n_bodies) // &
       ' meshed bodies' // merge(':', '.', text /= '') // text
   end subroutine find_general_pairs
 
 
-  !> The exterior of the model in its first step, and of the bodies that later steps add.
-  subroutine build_model_exterior(model, exterior)
+  !> The exterior of the model in a step, and of the whole bodies that others add. The faces of the first step have pairs.
+  subroutine build_model_exterior(model, step, exterior)
     type(model_type), intent(in) :: model
+    integer, intent(in) :: step                    !< from 1
     type(exterior_type), intent(out) :: exterior
-    integer :: no_node_pairs(2, 0)
-    if (allocated(model%pretension_node_pairs)) then
-      call build_exterior(model%mesh, find_uncounted_elements(model), model%pretension_node_pairs, exterior)
-    else
-      call build_exterior(model%mesh, find_uncounted_elements(model), no_node_pairs, exterior)
-    end if
+    integer, allocatable :: node_pairs(:, :)
+    allocate (node_pairs(2, 0))
+    if (allocated(model%pretension_node_pairs)) node_pairs = model%pretension_node_pairs
+    call build_exterior(model%mesh, find_uncounted_elements(model, step), node_pairs, exterior)
     if (exterior%n > 0) call measure_body_thickness(model%mesh, exterior, SEARCH_RADIUS_RATIO * maxval(exterior%edge_length), &
       exterior%thickness)
     call assign_heights(model, exterior)
@@ -824,16 +823,16 @@ contains
   end subroutine report_sheets
 
 
-  !> Says once of two bodies why general contact makes no pair of them.
-  subroutine report_bodies(model, exterior, bodies, reason, text)
+  !> Says once of two rigid bodies that supports drive that there is no pair of them.
+  subroutine report_bodies(model, exterior, bodies, text)
     type(model_type), intent(in) :: model
     type(exterior_type), intent(in) :: exterior
     integer, intent(in) :: bodies(2)
-    character(*), intent(in) :: reason
     character(:), allocatable, intent(inout) :: text
     character(:), allocatable :: sentence
     sentence = NEWLINE // '  no pair of ' // body_name(model, exterior, minval(bodies)) // ' and ' // &
-      body_name(model, exterior, maxval(bodies)) // ': ' // reason // '.'
+      body_name(model, exterior, maxval(bodies)) // ': supports prescribe the motion of both rigid bodies, and the job ends ' // &
+      'if they meet.'
     if (index(text, sentence) == 0) text = text // sentence
   end subroutine report_bodies
 

@@ -35,7 +35,7 @@ contains
     integer, allocatable :: own(:), interaction(:)
     integer :: b, f, i
     if (.not. allocated(model%general_contact)) return
-    call build_model_exterior(model, exterior)
+    call build_model_exterior(model, 1, exterior)
     call collect_face_data(model, exterior, data)
     do b = 1, exterior%n_bodies
       own = pack([(f, f=1, exterior%n)], exterior%body == b .and. .not. data%is_rigid)

@@ -1,13 +1,15 @@
 !> Search after each increment for faces that have come together without a contact pair, of two bodies or of one.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! General contact makes pairs of the faces that are near at the start. The search finds faces that have moved farther. Cost: none
-!! while nothing moved that far; else linear in the exterior faces, whose data are built once for a job.
+!! General contact makes pairs of the faces that are near at the start. The search finds faces that have moved farther, and, at
+!! small displacements too, those that *MODEL CHANGE uncovered or added, which have no pairs. Cost: none while nothing moved that
+!! far; else linear in the exterior faces, whose data are built once, and again for a step with other faces.
 module amontons_unpaired_contact
   use amontons_kinds, only: DP
   use amontons_text, only: to_text
   use amontons_containers, only: integer_list_type, list_groups, owners_of_entries
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, absent_elements
+  use amontons_exterior_membership, only: find_uncounted_elements
   use amontons_facets, only: facets_type
   use amontons_facet_search, only: facet_search_type, build_facet_search, find_near_facets
   use amontons_exterior_surface, only: exterior_type, measure_faces, reached_depth, is_thin
@@ -21,16 +23,17 @@ module amontons_unpaired_contact
   implicit none
   private
   public :: model_faces_type, find_unpaired_contact, find_unpaired_self_contact
-  public :: place_faces, smallest_width, have_pair, other_side
+  public :: place_faces, smallest_width, have_pair, other_side, is_new
 
   real(DP), parameter :: TURNED_RATIO = 0.5_DP              !< motion that turns a face by less than 60 degrees, over its edge [-]
   real(DP), parameter :: NEIGHBOUR_RATIO = 1.5_DP           !< nearer faces, over their edge, are neighbours on the surface [-]
   integer, parameter :: MAX_FACES = 6                       !< of an element
 
-  !> The exterior of the model in its first step, for the search of unpaired faces after each increment; made once, when a search
-  !! needs it first.
+  !> The exterior of the model in a step, for the search of unpaired faces after each increment; made when a search needs it first,
+  !! and again in a step with other faces.
   type :: model_faces_type
-    logical :: is_ready = .false.
+    logical, allocatable :: is_uncounted(:)        !< (n_elements) elements without faces; unallocated: nothing is made yet
+    logical, allocatable :: is_new(:)              !< (n) a face that the first step does not have; unallocated: none
     real(DP) :: motion = -1                        !< way that the pairs allow for; negative: not known yet [length]
     real(DP) :: least_width = -1                   !< least extent of an element; negative: not known yet [length]
     type(exterior_type) :: exterior                !< at the start
@@ -50,13 +53,15 @@ contains
   !> Whether bodies that moved farther than the search looked touch each other without a pair, or may do so in an increment
   !! like the last one: message says which faces. Displacements that differ by less than the motion cost nothing; if it is long,
   !! the faces of the pairs were chosen by their normals at the start, and only those by which no face can have turned far.
-  subroutine find_unpaired_contact(model, faces, u, du, message)
+  subroutine find_unpaired_contact(model, faces, u, du, step, message)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
+    real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment; zero without NLGEOM [length]
+    integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
     type(near_faces_type) :: near
+    logical :: is_absent(model%mesh%n_elements), is_far
     real(DP) :: span, approach
     integer :: i, n_met
     message = ''
@@ -64,9 +69,14 @@ contains
     span = displacement_span(model, u)
     if (faces%motion < 0.0_DP) faces%motion = estimate_motion(model)
     if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
-    if (faces%motion <= SEARCH_RADIUS_RATIO * faces%least_width .and. span <= faces%motion) return
-    if (span <= min(faces%motion, TURNED_RATIO * faces%least_width)) return
-    call place_faces(model, faces, u)
+    is_far = model%steps(step)%is_nlgeom .and. span > min(faces%motion, TURNED_RATIO * faces%least_width) .and. &
+      (faces%motion > SEARCH_RADIUS_RATIO * faces%least_width .or. span > faces%motion)
+    is_absent = absent_elements(model, step)
+    if (.not. is_far) then
+      if (.not. (any(is_absent .neqv. absent_elements(model, 1)))) return
+    end if
+    call place_faces(model, faces, u, step)
+    if (.not. (is_far .or. allocated(faces%is_new))) return
     approach = min(displacement_span(model, du), SEARCH_RADIUS_RATIO * maxval(faces%now%edge_length))
     near%has_all_couples = .true.
     call find_near_faces(model%general_contact, faces%now, faces%data, TOUCHING_RADIUS, approach, near)
@@ -77,7 +87,8 @@ contains
     end do
     do i = 1, near%face%n
       associate (now => faces%now, f => near%face%items(i), m => near%other%items(i))
-        if (are_covered(faces, f, m)) cycle
+        if (are_covered(faces, f, m) .or. any(is_absent(now%element([f, m])))) cycle
+        if (.not. (is_far .or. is_new(faces, f) .or. is_new(faces, m))) cycle
         if (i > n_met) exit
         if (may_meet(now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) exit
       end associate
@@ -85,21 +96,37 @@ contains
     if (i > near%face%n) return
     associate (mesh => model%mesh, now => faces%now, f => near%face%items(i), m => near%other%items(i))
       message = 'General contact: element ' // to_text(mesh%element_label(now%element(f))) // ' of ' // &
-        body_name(model, now, now%body(f)) // ' reached ' // body_name(model, now, now%body(m)) // &
-        ', from which it was too far or turned away at the start, and there is no pair of them. Give *CONTACT a REACH of more ' // &
-        'than ' // to_text(span) // ', or name the pair with *CONTACT PAIR.'
+        body_name(model, now, now%body(f)) // ' reached ' // body_name(model, now, now%body(m))
+      if (is_new(faces, f) .or. is_new(faces, m)) then
+        message = message // ' where *MODEL CHANGE uncovered or added faces, and there is no pair of them. Name the pair with ' // &
+          '*CONTACT PAIR, or both bodies in *CONTACT EXCLUSIONS.'
+      else
+        message = message // ', from which it was too far or turned away at the start, and there is no pair of them. Give ' // &
+          '*CONTACT a REACH of more than ' // to_text(span) // ', or name the pair with *CONTACT PAIR.'
+      end if
     end associate
   end subroutine find_unpaired_contact
 
 
+  !> Whether *MODEL CHANGE uncovered or added a face after the first step.
+  pure logical function is_new(faces, f)
+    type(model_faces_type), intent(in) :: faces
+    integer, intent(in) :: f                       !< face; 0: none
+    is_new = allocated(faces%is_new) .and. f > 0
+    if (is_new) is_new = faces%is_new(f)
+  end function is_new
+
+
   !> Whether faces of one body have met without a pair, or will do so in an increment like the last one: message names them.
   !! Displacements that differ by less than an element is wide cost nothing.
-  subroutine find_unpaired_self_contact(model, faces, u, du, message)
+  subroutine find_unpaired_self_contact(model, faces, u, du, step, message)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment; zero without NLGEOM [length]
+    integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
+    logical :: is_absent(model%mesh%n_elements)
     type(facets_type) :: facets
     type(facet_search_type) :: search
     integer, allocatable :: list(:)
@@ -109,8 +136,9 @@ contains
     if (.not. allocated(model%general_contact)) return
     if (faces%least_width < 0.0_DP) faces%least_width = smallest_width(model)
     if (displacement_span(model, u) < 0.5_DP * faces%least_width) return
-    call place_faces(model, faces, u)
+    call place_faces(model, faces, u, step)
     if (faces%exterior%n == 0) return
+    is_absent = absent_elements(model, step)
     associate (now => faces%now)
       reach = min(displacement_span(model, du), maxval(now%edge_length)) + 0.25_DP * maxval(now%edge_length)
       call list_facets(now%n, facets)
@@ -120,7 +148,7 @@ contains
         call find_near_facets(search, now%centre(:, f), list, n)
         do k = 1, n
           m = list(k)
-          if (now%body(m) /= now%body(f)) cycle
+          if (now%body(m) /= now%body(f) .or. any(is_absent(now%element([f, m])))) cycle
           if (.not. meet(faces%exterior, now, f, m, mean_motion(now, f, du) - mean_motion(now, m, du))) cycle
           if (find_interaction(model%general_contact, faces%data, faces%data%group(f), faces%data%group(m), 0) == 0) cycle
           if (have_pair(faces, f, m) .or. have_pair(faces, m, f)) cycle
@@ -220,11 +248,12 @@ contains
 
 
   !> Measures the faces at some displacements; the checks of an increment share the measurement.
-  subroutine place_faces(model, faces, u)
+  subroutine place_faces(model, faces, u, step)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
-    call prepare_faces(model, faces)
+    integer, intent(in) :: step                    !< of the model, from 1
+    call prepare_faces(model, faces, step)
     if (allocated(faces%placed_u)) then
       if (all(abs(u - faces%placed_u) <= 0.0_DP)) return
     else
@@ -235,14 +264,24 @@ contains
   end subroutine place_faces
 
 
-  !> Builds the exterior, the data of its faces and the pairs of each face. Cost: linear in faces and surfaces, once.
-  subroutine prepare_faces(model, faces)
+  !> Builds the exterior, the data of its faces and the pairs of each face. Cost: linear in faces and surfaces, once for each set of
+  !! elements that count.
+  subroutine prepare_faces(model, faces, step)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces
+    integer, intent(in) :: step                    !< of the model, from 1
+    logical :: is_uncounted(model%mesh%n_elements)
     integer, allocatable :: number(:, :), of_entry(:)
     integer :: f, i
-    if (faces%is_ready) return
-    call build_model_exterior(model, faces%exterior)
+    is_uncounted = find_uncounted_elements(model, step)
+    if (allocated(faces%is_uncounted)) then
+      if (all(is_uncounted .eqv. faces%is_uncounted)) return
+    end if
+    faces%is_uncounted = is_uncounted
+    if (allocated(faces%placed_u)) deallocate (faces%placed_u)
+    if (allocated(faces%may_cross)) deallocate (faces%may_cross)
+    call build_model_exterior(model, step, faces%exterior)
+    call mark_new_faces(model, faces)
     call collect_face_data(model, faces%exterior, faces%data)
     allocate (number(6, model%mesh%n_elements), source=0)
     do f = 1, faces%exterior%n
@@ -259,8 +298,25 @@ contains
       of_entry = owners_of_entries(exterior%first)
       faces%node_face = [(of_entry(faces%node_face(i)), i=1, size(faces%node_face))]
     end associate
-    faces%is_ready = .true.
   end subroutine prepare_faces
+
+
+  !> Marks the faces that the exterior of the first step does not have.
+  subroutine mark_new_faces(model, faces)
+    type(model_type), intent(in) :: model
+    type(model_faces_type), intent(inout) :: faces !< with its exterior
+    type(exterior_type) :: first
+    logical :: is_first(MAX_FACES, model%mesh%n_elements)
+    integer :: f
+    if (allocated(faces%is_new)) deallocate (faces%is_new)
+    if (all(faces%is_uncounted .eqv. find_uncounted_elements(model, 1))) return
+    call build_model_exterior(model, 1, first)
+    is_first = .false.
+    do f = 1, first%n
+      is_first(first%face(f), first%element(f)) = .true.
+    end do
+    faces%is_new = [(.not. is_first(faces%exterior%face(f), faces%exterior%element(f)), f=1, faces%exterior%n)]
+  end subroutine mark_new_faces
 
 
   !> The pairs that have each face on one side.

@@ -15,6 +15,9 @@
 !! A pair by hand may have fewer faces than can meet, and chords of coarse curved surfaces cross where these do not. Its crossings
 !! count from 0.14 of an edge on, and not at a node that touches.
 !!
+!! Two rigid bodies that supports drive have no pair in general contact, because no force moves them. A node of one passes through
+!! the other where it comes behind a face, or an analytic surface, by the depth of a crossing since the last check.
+!!
 !! Under NLGEOM an attempt with a crossing is repeated with a shorter increment, while that is longer than the crossing is deep.
 !!
 !! Cost: none while no node moved by a twentieth of an element; else linear in the faces that are within the boxes of other bodies.
@@ -30,11 +33,14 @@ module amontons_unpaired_crossing
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_mortar_segmentation, only: MIN_FACING_COSINE, MIN_ROW_COSINE
   use amontons_body_motion, only: displacement_span
-  use amontons_rigid_exterior, only: is_pair_driven
+  use amontons_rigid_exterior, only: is_pair_driven, is_one_body
+  use amontons_facets, only: facets_type
+  use amontons_analytic_master, only: build_profile_facets, find_profile_projection, projection_type, PROJECTION_INSIDE
   use amontons_general_contact, only: find_interaction, are_named, body_name
   use amontons_exterior_membership, only: contact_rules
   use amontons_face_proximity, only: box_distance, find_active_faces, build_face_search, is_larger
-  use amontons_unpaired_contact, only: model_faces_type, place_faces, smallest_width, have_pair, other_side
+  use amontons_unpaired_contact, only: model_faces_type, place_faces, smallest_width, have_pair, other_side, &
+    is_new
   implicit none
   private
   public :: find_unpaired_crossing, least_crossing
@@ -49,6 +55,8 @@ module amontons_unpaired_crossing
   type :: crossing_type
     integer :: face(2) = 0                         !< of the body that passed through, and the face passed through; 0: none
     integer :: pair = 0                            !< by hand, which has both; 0: the rules of general contact
+    integer :: surface = 0                         !< an analytic one in place of the face passed through
+    logical :: is_driven = .false.                 !< supports prescribe the motion of both bodies
   end type crossing_type
 
   !> What the check looks at: the faces and what contact does between them at the end of an increment.
@@ -56,6 +64,7 @@ module amontons_unpaired_crossing
     type(general_contact_type) :: rules
     real(DP), allocatable :: x(:, :), du(:, :)     !< (3, n_nodes) positions, and displacements of the last increment [length]
     real(DP) :: span = 0                           !< bound of the motion of nodes relative to each other in it [length]
+    real(DP), allocatable :: way(:, :)             !< (3, n_nodes) displacements since the last check [length]
     logical, allocatable :: is_absent(:)           !< (n_elements) removed
     real(DP), allocatable :: penetration(:)        !< (n_nodes) of slave nodes that touch; negative: the node does not [length]
     logical, allocatable :: is_mortar(:)           !< (n_pairs) surface to surface
@@ -65,7 +74,7 @@ module amontons_unpaired_crossing
 contains
 
   !> Whether bodies have passed through each other although contact is to keep them apart: message says which faces.
-  subroutine find_unpaired_crossing(model, faces, slaves, u, du, step, message)
+  subroutine find_unpaired_crossing(model, faces, slaves, u, du, step, message, is_driven)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
     type(slave_state_type), intent(in) :: slaves(:)   !< of all pairs
@@ -73,22 +82,24 @@ contains
     real(DP), intent(in) :: du(:, :)               !< (3, n_nodes) of the last increment [length]
     integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
+    logical, intent(out), optional :: is_driven    !< supports prescribe the motion of both bodies
     type(scene_type) :: scene
     type(crossing_type) :: crossing
     real(DP) :: least
     message = ''
+    if (present(is_driven)) is_driven = .false.
     if (.not. allocated(model%general_contact) .and. all(is_self_contact(model%pairs))) return
     if (.not. allocated(faces%checked_u)) faces%checked_u = 0 * u
     least = least_crossing(model, faces)
-    if (max(displacement_span(model, u - faces%checked_u), displacement_span(model, du)) < least) return
-    call place_faces(model, faces, u)
-    if (faces%exterior%n_bodies < 2) return
+    if (max(span(u - faces%checked_u), span(du)) < least) return
+    call place_faces(model, faces, u, step)
     scene%rules = contact_rules(model)
     scene%is_mortar = model%pairs%is_mortar
     if (.not. allocated(faces%may_cross)) then
       allocate (faces%may_cross(faces%exterior%n_bodies, faces%exterior%n_bodies), source=.false.)
       scene%x = model%mesh%coordinates
       scene%du = 0 * du
+      scene%way = 0 * du
       scene%is_absent = absent_elements(model, 1)
       allocate (scene%penetration(model%mesh%n_nodes), source=-1.0_DP)
       allocate (scene%is_acting(size(model%pairs)), source=.true.)
@@ -97,12 +108,15 @@ contains
     scene%x = model%mesh%coordinates + u
     scene%du = du
     scene%span = displacement_span(model, du)
+    scene%way = u - faces%checked_u
     scene%is_absent = absent_elements(model, step)
     scene%penetration = measure_penetrations(model, slaves)
     scene%is_acting = acting_pairs(model%pairs, slaves, least)
     if (allocated(model%steps(step)%is_removed)) scene%is_acting = scene%is_acting .and. .not. model%steps(step)%is_removed
     call find_crossing(scene, faces, faces%now, crossing)
+    if (crossing%face(1) == 0) call find_profile_crossing(model, scene, faces, faces%now, crossing)
     if (crossing%face(1) > 0) then
+      if (present(is_driven)) is_driven = crossing%is_driven
       call describe_crossing(model, faces%now, crossing, step, u, faces, message)
       return
     end if
@@ -110,6 +124,20 @@ contains
     if (all(scene%is_acting)) return
     scene%is_acting = .not. scene%is_acting
     call permit_crossings(scene, faces, faces%now)
+
+  contains
+
+    !> A bound of the displacement of bodies relative to each other; an analytic one moves with nodes of no elements [length].
+    real(DP) function span(u)
+      real(DP), intent(in) :: u(:, :)              !< (3, n_nodes) [length]
+      integer :: s
+      span = displacement_span(model, u)
+      do s = 1, size(model%surfaces)
+        if (.not. allocated(model%surfaces(s)%profile)) cycle
+        span = max(span, norm2(maxval(abs(u), dim=2)) + maxval(norm2(u(:, model%surfaces(s)%nodes), dim=1)))
+      end do
+    end function span
+
   end subroutine find_unpaired_crossing
 
 
@@ -176,10 +204,10 @@ contains
     logical, allocatable :: is_active(:)
     integer, allocatable :: active(:), list(:)
     integer :: i, k, n, f, m
-    call find_active_faces(now, scene%span, is_active)
+    call find_active_faces(now, scene%span + MIN_CROSSING * maxval(now%edge_length), is_active)
     active = pack([(f, f=1, now%n)], is_active)
     if (size(active) == 0) return
-    call build_face_search(now, active, 0.0_DP, scene%span, search)
+    call build_face_search(now, active, MIN_CROSSING, scene%span, search)
     do i = 1, size(active)
       f = active(i)
       call find_near_facets(search, now%centre(:, f), list, n)
@@ -188,10 +216,73 @@ contains
         if (.not. may_be_crossed(scene, faces, now, f, m)) cycle
         call cross_face(scene, faces, now, f, m, crossing)
         if (crossing%face(1) == 0) call cross_face(scene, faces, now, m, f, crossing)
-        if (crossing%face(1) > 0) return
+        if (crossing%face(1) == 0) cycle
+        crossing%is_driven = are_driven(faces, now, [f, m])
+        return
       end do
     end do
   end subroutine find_crossing
+
+
+  !> Whether two faces belong to rigid bodies that supports drive.
+  pure logical function are_driven(faces, now, both)
+    type(model_faces_type), intent(in) :: faces
+    type(exterior_type), intent(in) :: now
+    integer, intent(in) :: both(2)                 !< faces
+    are_driven = all(faces%data%is_rigid(both))
+    if (are_driven) are_driven = is_pair_driven(faces%data%rigid, now%nodes(now%first(both)))
+  end function are_driven
+
+
+  !> Finds the first corner of a driven rigid body that came behind a driven analytic surface since the last check, although the
+  !! rules of general contact keep both apart.
+  subroutine find_profile_crossing(model, scene, faces, now, crossing)
+    type(model_type), intent(in) :: model
+    type(scene_type), intent(in) :: scene
+    type(model_faces_type), intent(in) :: faces
+    type(exterior_type), intent(in) :: now         !< measured at x
+    type(crossing_type), intent(out) :: crossing
+    type(facets_type) :: facets
+    integer :: s, f, k
+    do s = 1, size(model%surfaces)
+      if (.not. allocated(model%surfaces(s)%profile)) cycle
+      if (.not. faces%data%rigid%is_driven(model%surfaces(s)%nodes(1))) cycle
+      do f = 1, now%n
+        if (.not. faces%data%is_rigid(f) .or. scene%is_absent(now%element(f))) cycle
+        associate (nodes => [now%nodes(now%first(f)), model%surfaces(s)%nodes(1)])
+          if (.not. is_pair_driven(faces%data%rigid, nodes) .or. is_one_body(faces%data%rigid, nodes)) cycle
+        end associate
+        if (find_interaction(scene%rules, faces%data, faces%data%group(f), 0, s) == 0) cycle
+        call build_profile_facets(model%surfaces(s)%profile, now%edge_length(f), facets)
+        do k = now%first(f), now%first(f) + now%n_corners(f) - 1
+          if (.not. comes_behind(now%nodes(k), MIN_CROSSING * now%edge_length(f))) cycle
+          crossing = crossing_type(face=[f, 0], surface=s, is_driven=.true.)
+          return
+        end do
+      end do
+    end do
+
+  contains
+
+    !> Whether a node was before the surface at the last check, to a tolerance, and is behind it now.
+    pure logical function comes_behind(node, tolerance)
+      integer, intent(in) :: node
+      real(DP), intent(in) :: tolerance            !< [length]
+      comes_behind = gap_of(scene%x, node) < -tolerance
+      if (comes_behind) comes_behind = gap_of(scene%x - scene%way, node) >= -tolerance
+    end function comes_behind
+
+    !> The gap of a node; huge beside the surface [length].
+    pure real(DP) function gap_of(x, node) result(gap)
+      real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) [length]
+      integer, intent(in) :: node
+      type(projection_type) :: projection
+      call find_profile_projection(facets, x, x(:, node), huge(1.0_DP), projection)
+      gap = huge(1.0_DP)
+      if (projection%status == PROJECTION_INSIDE) gap = projection%gap
+    end function gap_of
+
+  end subroutine find_profile_crossing
 
 
   !> Whether two faces are near each other, those of bodies that may not cross; the second one is the larger. Those whose surfaces
@@ -205,9 +296,10 @@ contains
     if (now%body(f) == now%body(m) .or. .not. is_larger(now, m, f)) return
     if (any(scene%is_absent(now%element([f, m])))) return
     if (faces%may_cross(now%body(f), now%body(m)) .or. now%height(f) + now%height(m) < 0.0_DP) return
-    if (box_distance(now%box(:, :, f), now%box(:, :, m)) > scene%span) return
+    if (box_distance(now%box(:, :, f), now%box(:, :, m)) > scene%span + merge(MIN_CROSSING * now%edge_length(f), 0.0_DP, &
+      are_driven(faces, now, [f, m]))) return
     may_be = .true.
-    if (faces%data%is_rigid(f) .and. faces%data%is_rigid(m)) may_be = .not. is_pair_driven(faces%data%rigid, &
+    if (faces%data%is_rigid(f) .and. faces%data%is_rigid(m)) may_be = .not. is_one_body(faces%data%rigid, &
       now%nodes(now%first([f, m])))
   end function may_be_crossed
 
@@ -222,8 +314,9 @@ contains
     type(crossing_type), intent(inout) :: crossing !< set where they do
     integer :: k, n, ends(2)
     real(DP) :: corner(3, 4), point(3), motion(3), least, depth
-    logical :: is_crossed
+    logical :: is_crossed, is_driven
     least = MIN_CROSSING * min(now%edge_length(f), now%edge_length(m))
+    is_driven = are_driven(faces, now, [f, m]) .and. .not. is_thin(now%depth(m), now%edge_length(m))
     associate (own => now%nodes(now%first(f):now%first(f) + now%n_corners(f) - 1), &
       nodes => now%nodes(now%first(m):now%first(m) + now%n_corners(m) - 1), x => scene%x, du => scene%du)
       n = size(nodes)
@@ -236,8 +329,13 @@ contains
           depth = min(depth_through(faces, now, m, ends, x), depth_through(faces, now, f, nodes, x))
           if (depth >= least) call judge_crossing(scene, faces, now, ends, [f, m], point, depth, crossing)
         end if
-        if (norm2(du(:, own(k)) - motion) >= least .and. crossing%face(1) == 0) then
-          call cross_on_path(corner(:, :n), x(:, own(k)), du(:, own(k)) - motion, least, is_crossed, point)
+        if (crossing%face(1) == 0) then
+          if (is_driven) then
+            motion = sum(scene%way(:, nodes), dim=2) / real(n, DP)
+            call cross_on_path(corner(:, :n), x(:, own(k)), scene%way(:, own(k)) - motion, least, -least, is_crossed, point)
+          else
+            call cross_on_path(corner(:, :n), x(:, own(k)), du(:, own(k)) - motion, least, least, is_crossed, point)
+          end if
           depth = dot_product(now%normal(:, m), now%centre(:, m) - x(:, own(k)))
           if (is_crossed) call judge_crossing(scene, faces, now, [own(k), own(k)], [f, m], point, depth, crossing)
         end if
@@ -308,21 +406,25 @@ contains
   end subroutine find_rule
 
 
-  !> Whether the path of a node crosses a face from front to back, steeply, and starts and ends at some distance from it.
-  pure subroutine cross_on_path(corner, x, path, least, is_crossed, point)
+  !> Whether the path of a node crosses a face from front to back, steeply, and ends at some distance from it.
+  pure subroutine cross_on_path(corner, x, path, least, first, is_crossed, point)
     real(DP), intent(in) :: corner(:, :)           !< (3, :) of the face [length]
     real(DP), intent(in) :: x(3), path(3)          !< end of the path, and the path relative to the face [length]
-    real(DP), intent(in) :: least                  !< distance of both ends from the plane of the face [length]
+    real(DP), intent(in) :: least                  !< depth of its end behind the plane of the face [length]
+    real(DP), intent(in) :: first                  !< least height of its start; negative: the path begins before that [length]
     logical, intent(out) :: is_crossed
     real(DP), intent(out) :: point(3)              !< [length]
-    real(DP) :: height, rise
+    real(DP) :: height, rise, reached
     associate (normal => plane_normal(corner, size(corner, 2) == 2))
       height = dot_product(normal, x - sum(corner, dim=2) / real(size(corner, 2), DP))
       rise = dot_product(normal, path)
     end associate
     point = x
-    is_crossed = height < -least .and. height - rise > least .and. -rise >= MIN_STEEPNESS * norm2(path)
-    if (is_crossed) call cross_facet(corner, reshape([x - path, x], [3, 2]), is_crossed, point)
+    is_crossed = height < -least .and. height - rise > first .and. -rise >= MIN_STEEPNESS * norm2(path)
+    if (.not. is_crossed) return
+    reached = 1.0_DP
+    if (first < 0.0_DP) reached = 1.0_DP + 2 * least / (-rise)
+    call cross_facet(corner, reshape([x - reached * path, x], [3, 2]), is_crossed, point)
   end subroutine cross_on_path
 
 
@@ -439,9 +541,18 @@ contains
     else
       is_mortar = model%general_contact%is_mortar
     end if
-    message = pair // ': element ' // side_text(crossing%face(1)) // ' passed through element ' // &
-      side_text(crossing%face(2)) // ', and no contact keeps them apart there. '
-    if (.not. model%steps(step)%is_nlgeom .and. displacement_span(model, u) > faces%least_width) then
+    if (crossing%surface > 0) then
+      message = model%surfaces(crossing%surface)%name
+    else
+      message = 'element ' // side_text(crossing%face(2))
+    end if
+    message = pair // ': element ' // side_text(crossing%face(1)) // ' passed through ' // message // ', and no contact keeps ' // &
+      'them apart there. '
+    if (crossing%is_driven) then
+      message = message // 'Supports prescribe the motion of both rigid bodies: leave one free where it touches, on a spring.'
+    else if (is_new(faces, crossing%face(1)) .or. is_new(faces, crossing%face(2))) then
+      message = message // 'Faces that *MODEL CHANGE uncovered or added have no pair: name it with *CONTACT PAIR.'
+    else if (.not. model%steps(step)%is_nlgeom .and. displacement_span(model, u) > faces%least_width) then
       message = message // 'Without NLGEOM bodies touch only where they are near each other at the start: give NLGEOM on *STEP.'
     else if (any(is_thin(now%depth(crossing%face), now%edge_length(crossing%face)))) then
       message = message // 'The edge of a sheet of rigid elements touches nothing: make that body of solid elements with ' // &

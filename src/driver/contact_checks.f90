@@ -1,6 +1,7 @@
 !> Checks of contact at the end of an attempt: faces that met without a pair, crossings, driven slave nodes.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_contact_checks
+  use amontons_kinds, only: DP
   use amontons_model, only: model_type
   use amontons_state, only: state_type, fields_type
   use amontons_constraints, only: constraints_type
@@ -25,14 +26,13 @@ contains
     type(fields_type), intent(in) :: now           !< committed
     integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
+    real(DP), allocatable :: motion(:, :)          ! of the increment, which contact follows under NLGEOM [length]
     message = ''
     associate (du => now%time_increment * now%v)
-      if (model%steps(step)%is_nlgeom) then
-        call find_unpaired_contact(model, faces, now%u, du, message)
-        if (message == '') call find_unpaired_self_contact(model, faces, now%u, du, message)
-      else
-        call find_unpaired_self_contact(model, faces, now%u, 0 * now%v, message)
-      end if
+      motion = 0 * du
+      if (model%steps(step)%is_nlgeom) motion = du
+      call find_unpaired_contact(model, faces, now%u, motion, step, message)
+      if (message == '') call find_unpaired_self_contact(model, faces, now%u, motion, step, message)
       if (message == '') call find_driven_slave(model, contact, base, now%slaves, now%u, message)
       if (message == '' .and. .not. faces%is_free_of_crossings) call find_unpaired_crossing(model, faces, now%slaves, now%u, du, &
         step, message)
@@ -42,21 +42,24 @@ contains
 
 
   !> Whether bodies have passed through each other in a converged attempt that can be repeated: under NLGEOM contact may act on a
-  !! shorter way, unless the way was short already. After: the faces know of an attempt without a crossing.
+  !! shorter way, unless the way was short already or supports prescribe the motion of both. After: the faces know of an attempt
+  !! without a crossing.
   subroutine find_avoidable_crossing(model, faces, state, step, message)
     type(model_type), intent(in) :: model
     type(model_faces_type), intent(inout) :: faces !< prepared here if needed
     type(state_type), intent(in) :: state          !< new: the attempt
     integer, intent(in) :: step                    !< of the model, from 1
     character(:), allocatable, intent(out) :: message   !< '': none
+    logical :: is_driven
     message = ''
     faces%is_free_of_crossings = .false.
     if (.not. model%steps(step)%is_nlgeom) return
     associate (new => state%new, du => state%new%u - state%old%u)
       if (displacement_span(model, du) < least_crossing(model, faces)) return
-      call find_unpaired_crossing(model, faces, new%slaves, new%u, du, step, message)
+      call find_unpaired_crossing(model, faces, new%slaves, new%u, du, step, message, is_driven)
     end associate
     faces%is_free_of_crossings = message == ''
+    if (is_driven) message = ''                    ! no increment keeps them apart
   end subroutine find_avoidable_crossing
 
 end module amontons_contact_checks

@@ -842,9 +842,8 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'FREQUENCY|COMPLEX FREQUENCY|COMPLEX EIGENVALUE EXTRACTION', 'Natural ' // &
       'frequencies are not computed: let an eigenvalue program do this step. Whether supports and contact hold all bodies ' // &
       'is checked by amontons --check.')
-    call table%cards_with(ENTRY_REJECTED, 'CONTACT CLEARANCE|CONTACT CLEARANCE ASSIGNMENT', 'To close gaps of general ' // &
-      'contact without stress, give *CONTACT INITIALIZATION DATA with SEARCH ABOVE; for a gap of given size, a *CONTACT PAIR ' // &
-      'of the two surfaces with a *CLEARANCE, which *CONTACT leaves out then.')
+    call table%cards_with(ENTRY_REJECTED, 'CONTACT CLEARANCE|CONTACT CLEARANCE ASSIGNMENT', 'Give *CONTACT INITIALIZATION ' // &
+      'DATA with SEARCH ABOVE to close gaps without stress, or a *CONTACT PAIR of the two surfaces with a *CLEARANCE.')
     call table%cards_with(ENTRY_REJECTED, 'BUCKLE', 'Buckling factors are not computed. Move the nodes by a small ' // &
       'imperfection, and increase the load as a prescribed displacement in a *STEP, NLGEOM: the largest reaction is the ' // &
       'buckling load.')

@@ -18,7 +18,7 @@ module amontons_model_check_motion
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
   use amontons_stabilization, only: is_damped
-  use amontons_model, only: model_type, dof_direction
+  use amontons_model, only: model_type, dof_direction, absent_elements
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
@@ -117,7 +117,7 @@ contains
     allocate (findings(0))
     do i = 1, size(model%steps)
       if (model%steps(i)%is_dynamic) cycle         ! inertia holds all bodies
-      call check_step(model, contact, slaves, bodies, i, findings)
+      call check_step(model, contact, slaves, present_bodies(model, bodies, i), i, findings)
     end do
     do i = 1, size(findings)
       associate (finding => findings(i))
@@ -126,6 +126,22 @@ contains
       end associate
     end do
   end subroutine check_rigid_motions
+
+
+  !> The bodies of the first step; those without elements in a step count as nodes alone, which need no supports.
+  pure function present_bodies(model, bodies, step) result(present)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    integer, intent(in) :: step                    !< its number
+    type(bodies_type) :: present
+    logical :: is_absent(model%mesh%n_elements), has_element(0:bodies%n)
+    present = bodies
+    is_absent = absent_elements(model, step)
+    if (.not. any(is_absent)) return
+    has_element = .false.
+    has_element(pack(bodies%of_element, .not. is_absent)) = .true.
+    where (.not. has_element(1:)) present%list%n_elements = 0
+  end function present_bodies
 
 
   !> Finds a motion that supports, equations and closed slave nodes leave free in a step.

@@ -48,7 +48,7 @@ contains
     integer, allocatable :: of_node(:)
     integer :: i, n
     if (allocated(model%general_contact)) return
-    call build_model_exterior(model, exterior)
+    call build_model_exterior(model, 1, exterior)
     if (exterior%n_bodies < 2) return
     call collect_stiffness(model, exterior, data)
     call find_touching_bodies(exterior, data, contacts)

@@ -268,6 +268,21 @@ def test_held_slaves(run_deck: Run, kind: str, *, is_nlgeom: bool) -> None:
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("has_wall", [False, True])
+def test_held_slaves_beside_another_contact(run_deck: Run, *, has_wall: bool, is_nlgeom: bool) -> None:
+    """A free block of one element is pressed into the held slave U above it, and by its own width against a wall beside it, too: that contact loads the nodes of
+    the same master face, but does not keep it from U."""
+    bodies = block("B", 1, (1, 1, 1), (0, 0, 0), (1, 1, 0.5)) + block("U", 5001, (2, 2, 1), (0.2, 0.2, 0.52), (0.8, 0.8, 0.82))
+    bodies += block("W", 7001, (1, 2, 2), (1, -0.2, -0.2), (1.2, 1.2, 0.7))
+    text = pair_job(bodies, "UZ0, 1, 3\nUZ1, 1, 3\nWX1, 1, 3\nBX0, 2, 2\nBX0, 1, 1, {}\nBZ0, 3, 3, 0.05\n".format(0.01 if has_wall else 0.0), is_nlgeom=is_nlgeom)
+    wall = "*SURFACE, NAME=SR\nB, S4\n*SURFACE, NAME=SW\nW, S6\n*CONTACT PAIR, INTERACTION=I, TYPE=NODE TO SURFACE\nSR, SW\n*STEP"
+    done = run_deck(text.replace("*STEP", wall))
+    said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert done.returncode == NOT_CONVERGED, said
+    assert "Contact pair SU / SB: supports hold the slave node" in said, said
+
+
 KINDS = {
     f"{'general' if general else 'pair'}, {kind.lower()}": GENERAL.format(kind)
     if general
@@ -400,3 +415,24 @@ def test_driven_on_itself(run_deck: Run, kind: str, *, is_nlgeom: bool) -> None:
         said = re.sub(r"\s+", " ", done.stdout + done.stderr)
         assert done.returncode == expected, said
         assert ("behind its master, whose motion they prescribe, too" in said) is (expected != 0), said
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize("kind", ["NODE TO SURFACE", "SURFACE TO SURFACE"])
+@pytest.mark.parametrize("count", [1, 2])
+def test_coarse_stack(run_deck: Run, tmp_path: Path, count: int, kind: str, *, is_nlgeom: bool) -> None:
+    """A block lies on another one, to one side, each of one or two elements: the sole is the only slave, and the force is that of the pair by hand. The side faces
+    oppose each other as far as an element is deep, but lie beside each other."""
+    bodies = block("B", 1, (1, 1, 1), (0, 0, 0), (1, 1, 0.8)) + block("U", 5001, (count, 1, 1), (-0.2, -0.1, 0.8), (0.6, 0.9, 1.6))
+    deck = job(bodies, "BZ0, 1, 3\nUX0, 1, 1\nUZ1, 2, 2\nUZ1, 3, 3, -0.001\n", is_nlgeom=is_nlgeom, kind=kind)
+    by_hand = "*SURFACE, NAME=SU\nU, S1\n*SURFACE, NAME=SB\nB, S2\n*SURFACE INTERACTION, NAME=I\n"
+    by_hand = deck.replace(GENERAL.format(kind), by_hand + f"*CONTACT PAIR, INTERACTION=I, TYPE={kind}\nSU, SB\n")
+    forces = []
+    for text in (deck, by_hand):
+        done = run_deck(text)
+        said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+        assert done.returncode == 0, said
+        assert text is by_hand or "1 pair of 2 meshed bodies: slave U#" in said, said
+        forces.append(force(tmp_path))
+    assert forces[0] == pytest.approx(forces[1], rel=ROUNDING)
+    assert forces[0] > 0.0

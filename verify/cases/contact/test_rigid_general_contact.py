@@ -209,13 +209,42 @@ def test_crossing_sheets(run_deck: Run, tmp_path: Path) -> None:
     assert result[1][2] == pytest.approx(-LOAD / SPRING, rel=EQUAL)
 
 
-def test_driven_bodies(run_deck: Run, tmp_path: Path) -> None:
-    """Supports prescribe the motion of both: no force can move them, and the program says so."""
-    supports = f"900, 1, 6\n901, 1, 2\n901, 3, 3, {-2 * GAP}\n901, 4, 6\n"
-    result, said = solve(run_deck, tmp_path, deck(supports=supports, loads="900, 1, 6\n"))
-    assert "0 pairs of 2 meshed bodies: no pair of LOWER and UPPER: supports prescribe the motion of both rigid bodies." in said
-    assert result[2][2] == pytest.approx(0, abs=1e-9)
+NO_PAIR = "no pair of {} and {}: supports prescribe the motion of both rigid bodies, and the job ends if they meet."
+NOT_CONVERGED = 5  #: exit status of a job that ends early
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize(("lower", "upper"), [("solid", "solid"), ("sheet", "solid"), ("solid", "sheet")])
+def test_driven_bodies(run_deck: Run, tmp_path: Path, lower: str, upper: str, *, is_nlgeom: bool) -> None:
+    """Supports prescribe the motion of both: no force can move them. Before they meet all is well, and as soon as they do the job ends, as with any other
+    contact; with an exclusion they may pass."""
+    supports = "900, 1, 6\n901, 1, 2\n901, 3, 3, {}\n901, 4, 6\n"
+    for way in (0.9 * GAP, 2 * GAP):
+        text = deck(lower, upper, supports=supports.format(-way), loads="900, 1, 6\n", is_nlgeom=is_nlgeom)
+        if way > GAP:
+            done = run_deck(text)
+            said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+            assert done.returncode == NOT_CONVERGED, said
+            assert re.search(r"General contact: element \d+ of (UPPER|LOWER) passed through element \d+ of (UPPER|LOWER), and no contact", said), said
+            assert "Supports prescribe the motion of both rigid bodies: leave one free where it touches, on a spring." in said
+            assert "are named in *CONTACT EXCLUSIONS" in said
+            continue
+        result, said = solve(run_deck, tmp_path, text)
+        assert "0 pairs of 2 meshed bodies: " + NO_PAIR.format("LOWER", "UPPER") in said
+        assert result[2][2] == pytest.approx(0, abs=1e-9)
+        assert result[3][2] == pytest.approx(-way * SPRING, rel=EQUAL)
+    sides = "LOWER, SPOS\nLOWER, SNEG\n" if lower == "sheet" else "LOWER,\n"
+    rules = f"*SURFACE, NAME=A\n{sides}*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT EXCLUSIONS\nA,\n, A\n"
+    result, said = solve(run_deck, tmp_path, deck(lower, upper, rules, supports=supports.format(-2 * GAP), loads="900, 1, 6\n", is_nlgeom=is_nlgeom))
     assert result[3][2] == pytest.approx(-2 * GAP * SPRING, rel=EQUAL)
+
+
+def test_driven_bodies_that_overlap(run_deck: Run, tmp_path: Path) -> None:
+    """Bodies that overlap at the start are not driven into each other."""
+    supports = f"900, 1, 6\n901, 1, 2\n901, 3, 3, {-GAP}\n901, 4, 6\n"
+    text = deck(supports=supports, loads="900, 1, 6\n").replace(f", {1 + GAP}\n", f", {1 - GAP}\n")
+    result, _ = solve(run_deck, tmp_path, text)
+    assert result[3][2] == pytest.approx(-GAP * SPRING, rel=EQUAL)
 
 
 def test_one_body(run_deck: Run, tmp_path: Path) -> None:
@@ -277,15 +306,20 @@ def test_analytic_surface(run_deck: Run, tmp_path: Path) -> None:
     assert result[2][2] == pytest.approx(force, rel=EQUAL)
 
 
-def test_driven_analytic_surface(run_deck: Run, tmp_path: Path) -> None:
-    """Supports prescribe the motion of the plane and of the block: no pair, and the list says so."""
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+def test_driven_analytic_surface(run_deck: Run, tmp_path: Path, *, is_nlgeom: bool) -> None:
+    """Supports prescribe the motion of the plane and of the block: no pair, and the list says so. The job ends if they meet."""
     text = f"*MATERIAL, NAME=M\n*ELASTIC\n{YOUNG}, .3\n" + body("LOWER", "solid", 1, 2, 0.0, 1.0, (0.0, 1.0))
     text += f"*NODE\n900, .5, .5, .5\n901, .5, .5, {1 + GAP}\n*NSET, NSET=BODIES\n900, 901\n"
     text += "*RIGID BODY, ELSET=LOWER, REF NODE=900\n"
     text += f"*SURFACE, NAME=TOOL, TYPE=REVOLUTION\n.5, .5, {1 + GAP}, .5, .5, {2 + GAP}\nSTART, 2., 0.\nLINE, 0., 0.\n"
-    text += "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=901\n"
-    text += "*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*STEP\n*STATIC\n*BOUNDARY\n900, 1, 6\n901, 1, 2\n901, 3, 3, -.2\n901, 4, 6\n"
+    text += "*RIGID BODY, ANALYTICAL SURFACE=TOOL, REF NODE=901\n*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n"
+    text += f"*STEP{', NLGEOM' if is_nlgeom else ''}\n*STATIC\n.1, 1., , .1\n*BOUNDARY\n900, 1, 6\n901, 1, 2\n901, 3, 3, {{}}\n901, 4, 6\n"
     text += "*NODE PRINT, NSET=BODIES\nU, RF\n*END STEP\n"
-    result, said = solve(run_deck, tmp_path, text)
-    assert "0 pairs of 1 meshed bodies: no pair of LOWER and TOOL: supports prescribe the motion of both rigid bodies." in said
+    result, said = solve(run_deck, tmp_path, text.format(-0.9 * GAP))
+    assert "0 pairs of 1 meshed bodies: " + NO_PAIR.format("LOWER", "TOOL") in said
     assert result[2][2] == pytest.approx(0, abs=1e-9)
+    done = run_deck(text.format(-2 * GAP))
+    said = re.sub(r"\s+", " ", done.stdout + done.stderr)
+    assert done.returncode == NOT_CONVERGED, said
+    assert "of LOWER passed through TOOL, and no contact keeps them apart there. Supports prescribe the motion of both rigid bodies" in said

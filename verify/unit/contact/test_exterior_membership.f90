@@ -68,13 +68,13 @@ contains
   !! with whose others it is one body: it does not count.
   subroutine check_added()
     integer :: i
-    call suite%that('all count', .not. any(find_uncounted_elements(model)))
+    call suite%that('all count', .not. any(find_uncounted_elements(model, 1)))
     model%steps = [model%steps, model%steps]
     model%steps(1)%is_inactive = [(i == 1 .or. i > 4, i=1, 13)]
     model%steps(2)%is_inactive = spread(.false., 1, 13)
-    call suite%that('the body that is added', all(find_uncounted_elements(model) .eqv. [(i == 1, i=1, 13)]))
+    call suite%that('the body that is added', all(find_uncounted_elements(model, 1) .eqv. [(i == 1, i=1, 13)]))
     model%steps(2)%is_inactive(5:) = .true.
-    call suite%that('not one that is never there', all(find_uncounted_elements(model) .eqv. model%steps(1)%is_inactive))
+    call suite%that('not one that is never there', all(find_uncounted_elements(model, 1) .eqv. model%steps(1)%is_inactive))
   end subroutine check_added
 
 end program test_exterior_membership
