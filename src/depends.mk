@@ -43,6 +43,7 @@ uses_distributed_two_level = kinds containers errors sparse krylov two_level_pre
 uses_analytic_profiles = kinds tensor
 uses_controls = kinds
 uses_element_kinds =
+uses_embeddings = kinds
 uses_loads = kinds
 uses_user_routines = kinds text errors
 uses_materials = kinds user_routines
@@ -54,7 +55,7 @@ uses_steps = kinds controls loads surfaces
 uses_structural_data = kinds
 uses_submodels = kinds
 uses_user_elements = kinds
-uses_model = kinds containers loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data submodels user_elements
+uses_model = kinds containers embeddings loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data submodels user_elements
 
 # materials
 uses_deviatoric_section = kinds scalar_root
@@ -98,9 +99,10 @@ uses_expansion = model directors expanded_elements knots
 # input
 uses_cards = kinds text containers errors
 uses_card_schema = kinds text containers cards
+uses_card_constraints = card_schema
 uses_card_submodels = card_schema
 uses_card_materials = card_schema card_submodels
-uses_card_table = card_schema card_submodels card_materials
+uses_card_table = card_schema card_constraints card_submodels card_materials
 uses_element_drafts = kinds containers
 uses_deck_labels = kinds text containers element_kinds user_elements cards card_schema
 uses_deck_reader = kinds text containers mesh model cards card_schema
@@ -119,6 +121,7 @@ uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces 
 uses_deck_faces = containers element_kinds mesh deck_reader
 uses_deck_surfaces = kinds text containers element_kinds loads user_routines mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
 uses_deck_contact = kinds text element_kinds mesh surfaces steps model cards card_schema deck_reader deck_surfaces
+uses_deck_embedded = kinds text element_kinds embeddings model cards card_schema deck_reader
 uses_deck_general_contact = kinds text containers element_kinds surfaces model cards card_schema deck_reader deck_structure
 uses_deck_ties = kinds text mpc_data model cards card_schema deck_reader
 uses_deck_mpc = kinds text tensor mpc_data structural_data model cards card_schema deck_reader
@@ -136,7 +139,7 @@ uses_deck_loads = kinds text containers tensor element_kinds loads materials str
 uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
 uses_deck_steps = kinds text containers controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_materials deck_initial_conditions deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_submodel deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_submodel deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_embedded deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions
@@ -186,6 +189,7 @@ uses_user_element_forces = kinds user_routines steps user_elements model section
 uses_constraints = kinds errors sparse
 uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly_plan constraints
 uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
+uses_embedded_elements = kinds text errors element_kinds embeddings loads model mesh_point_search
 uses_tie_generation = kinds text errors tensor element_kinds loads mesh surfaces mpc_data structural_data model shape_functions facets facet_search surface_projection tributary_areas
 
 # contact
@@ -276,7 +280,7 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 uses_contact_checks = kinds model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
 uses_submodel_results = kinds text errors posix logger element_kinds loads steps submodels model mesh_point_search global_results
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
-uses_model_setup = kinds text errors logger loads model knots deck_structure tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies submodel_results user_routine_setup
+uses_model_setup = kinds text errors logger loads model knots deck_structure embedded_elements tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies submodel_results user_routine_setup
 uses_driven_loads = kinds text errors loads steps model
 uses_partition_files = kinds errors iteration_records mpi_ranks model state hdf5_file result_partitions results
 uses_job_files = kinds text errors iteration_records mpi_ranks restart_file model state unpaired_contact equilibrium newton increment_control hdf5_file checkpoint postprocess frd_output result_partitions results text_output driven_loads partition_files

@@ -1,8 +1,8 @@
 !> Model set-up: the last changes of the model after the deck is read; it is constant from the model check on.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Opens user routines; gives the nodes of submodels the results of the global model; converts ties and distributing couplings to
-!! equations, general contact to contact pairs; gives pairs with dependent slave nodes a penalty; moves tied nodes and those of
+!! Opens user routines; gives the nodes of submodels the results of the global model; converts ties, distributing couplings and
+!! embedded elements to equations, general contact to contact pairs; gives pairs with dependent slave nodes a penalty; moves tied nodes and those of
 !! ADJUST onto their masters; gives elements the material of the first step. No later procedure has a model with intent(inout)
 !! (`make lint`).
 module amontons_model_setup
@@ -19,6 +19,7 @@ module amontons_model_setup
   use amontons_self_contact_pairs, only: add_self_pairs
   use amontons_deck_structure, only: order_slave_terms
   use amontons_dependent_slaves, only: find_penalties, penalty_law
+  use amontons_embedded_elements, only: embed_elements
   use amontons_submodel_results, only: drive_submodels
   use amontons_tie_generation, only: generate_ties
   use amontons_user_routine_setup, only: open_user_routines
@@ -43,6 +44,8 @@ contains
     !$omp end critical (result_files)
     if (allocated(error)) return
     call add_ties(model, error)
+    if (allocated(error)) return
+    call embed(model, logger, error)
     if (allocated(error)) return
     call add_general_contact(model, logger, error)
     if (allocated(error)) return
@@ -96,6 +99,21 @@ contains
     if (size(equations) > 0) model%equations = [model%equations, equations]
     call move_alloc(coordinates, model%mesh%coordinates)
   end subroutine add_ties
+
+
+  !> Converts embedded elements to equations.
+  subroutine embed(model, logger, error)
+    type(model_type), intent(inout) :: model
+    type(logger_type), intent(inout) :: logger
+    type(error_type), allocatable, intent(out) :: error
+    type(equation_type), allocatable :: equations(:)
+    character(:), allocatable :: text
+    if (.not. allocated(model%embeddings)) return
+    call embed_elements(model, equations, text, error)
+    if (allocated(error)) return
+    if (text /= '') call logger%warn(text)
+    model%equations = [model%equations, equations]
+  end subroutine embed
 
 
   !> Converts general contact to contact pairs and says what was found. Errors: EXIT_SETUP (bodies that can meet without a pair).

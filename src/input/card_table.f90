@@ -5,6 +5,7 @@
 !! procedure in the reader.
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
+  use amontons_card_constraints, only: describe_equation, describe_embedded_elements
   use amontons_card_submodels, only: describe_submodel, describe_global_step
   use amontons_card_schema, only: card_table_type, render_card_table, SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_IGNORED, &
     ENTRY_REJECTED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, &
@@ -29,9 +30,11 @@ contains
     call describe_materials(table)
     call describe_contact(table)
     call describe_general_contact(table)
+    call describe_equation(table)
+    call describe_embedded_elements(table)
     call describe_submodel(table)
     call describe_contact_changes(table)
-    call describe_amplitude_and_equation(table)
+    call describe_amplitude(table)
     call describe_couplings(table)
     call describe_loads(table)
     call describe_steps(table)
@@ -323,8 +326,8 @@ contains
   end subroutine describe_contact_changes
 
 
-  !> Amplitudes and equations.
-  subroutine describe_amplitude_and_equation(table)
+  !> Amplitudes and times of output.
+  subroutine describe_amplitude(table)
     type(card_table_type), intent(inout) :: table
     call table%card('AMPLITUDE', SCOPE_BOTH, 'Factors over time: a table, linear in between and constant outside, or a formula.', &
       data='time, factor, time, factor, ...; EQUALLY SPACED: factors; PERIODIC: n, omega, t0, A0, then n pairs A, B; ' // &
@@ -355,14 +358,7 @@ contains
     call table%option('TIME', VALUE_WORD, 'Time since the start of the step or of the job.', allowed= &
       'STEP TIME|TOTAL TIME', default='STEP TIME')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of times.')
-
-    call table%card('EQUATION', SCOPE_BOTH, 'Sums of displacements and rotations that are zero; the first term is the one ' // &
-      'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term; with REMOVE, ' // &
-      'in a step: node or node set, first and last degree of freedom')
-    call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
-    call table%option('REMOVE', VALUE_OPTIONAL_WORD, 'In a step: the equations whose first term is named hold no more, or all.', &
-      allowed='ALL')
-  end subroutine describe_amplitude_and_equation
+  end subroutine describe_amplitude
 
 
   !> Nodal directions, and kinematic constraints.
@@ -881,18 +877,18 @@ contains
   !> Constraints, structural elements, parts and generators that are not supported.
   subroutine describe_rejected_parts(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|EMBEDDED ELEMENT|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
+    call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
       'Use *EQUATION, or mesh the bodies together.')
+    call table%cards_with(ENTRY_REJECTED, 'REBAR|REBAR LAYER', 'Mesh the bars as trusses with *EMBEDDED ELEMENT.')
     call table%cards_with(ENTRY_REJECTED, 'COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
-      'REBAR|REBAR LAYER|' // &
-      'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ' // &
-      'ELASTICITY|CONNECTOR MOTION|CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
+      'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ELASTICITY|CONNECTOR MOTION|' // &
+      'CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'The sections are *SOLID SECTION, *SHELL SECTION, *MEMBRANE SECTION and *BEAM SECTION.')
     call table%cards_with(ENTRY_REJECTED, 'TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR', 'Shells and beams are solids here: ' // &
       'their shear stiffness is that of the material over the thickness. Give it by G13 and G23 of *ELASTIC (ENGINEERING ' // &
       'CONSTANTS or LAMINA).')
-    call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|' // &
-      'PARAMETER TABLE', 'Write the nodes, elements and numbers themselves.')
+    call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|PARAMETER TABLE', &
+      'Write the nodes, elements and numbers themselves.')
     call table%cards_with(ENTRY_REJECTED, 'SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &
       'IMPACTOR|BOND|GAP ELECTRICAL CONDUCTANCE', 'Name the pairs that may touch with *CONTACT PAIR, or let *CONTACT find them.')
   end subroutine describe_rejected_parts

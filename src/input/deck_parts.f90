@@ -18,14 +18,14 @@ module amontons_deck_parts
   public :: flatten_parts
 
   character(*), parameter :: NAME_PARAMETERS = 'NSET|ELSET|SURFACE|ORIENTATION|REFNODE|ROTNODE|NODE|TIENSET|PINNSET|' // &
-    'ANALYTICALSURFACE'
+    'ANALYTICALSURFACE|HOSTELSET'
   !< parameters whose values are names or numbers of a part
   character(*), parameter :: CARDS_WITH_NAME = 'SURFACE|ORIENTATION|DISTRIBUTION'   !< cards whose NAME is one of a part
   character(*), parameter :: UNCHANGED_CARDS = 'SOLIDSECTION|MEMBRANESECTION|SPRING|MASS|INSTANCE|RIGIDBODY|' // &
     'SYSTEM|USERELEMENT|UELPROPERTY|COUPLING|KINEMATIC|DISTRIBUTING|SURFACEINTERACTION|MATERIAL|ELASTIC|DENSITY|TIE'
   !< their data lines have no numbers of a part
   character(*), parameter :: REJECTED_CARDS = 'SHELLGENERALSECTION|COHESIVESECTION|GASKETSECTION|SURFACESECTION|' // &
-    'CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|EMBEDDEDELEMENT|SHELLTOSOLIDCOUPLING|' // &
+    'CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|SHELLTOSOLIDCOUPLING|' // &
     'ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
 
   !> The scope of cards: a part in a certain instance, the assembly, or the model.
@@ -531,7 +531,7 @@ contains
         call element_row(cards, work, row, scope, n_nodes_of_type(cards, parameter_value(cards, c, 'TYPE')), n_left, text)
       case ('NSET')
         text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), scope%node_shift)
-      case ('ELSET')
+      case ('ELSET', 'EMBEDDEDELEMENT')
         text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), scope%element_shift)
       case ('SURFACE')
         if (is_one_of(name_key(parameter_value(cards, c, 'TYPE')), 'SEGMENTS|CYLINDER|REVOLUTION')) then

@@ -11,6 +11,7 @@ module amontons_model
   use amontons_mpc_data, only: nonlinear_mpc_type, nonlinear_mpc_list_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
   use amontons_structural_data, only: structure_type
+  use amontons_embeddings, only: embedding_type
   use amontons_submodels, only: submodel_type
   use amontons_user_elements, only: user_elements_type
   use amontons_user_routines, only: user_library_type
@@ -91,6 +92,7 @@ module amontons_model
     integer, allocatable :: pretension_node_pairs(:, :)         !< (2, n) pairs of nodes at pre-tension sections; unallocated: none
     integer, allocatable :: frame_of(:)         !< (n_nodes) index into frames of a transformed node, 0; else not allocated
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
+    type(embedding_type), allocatable :: embeddings(:)  !< EMBEDDED ELEMENT cards; unallocated: none
     type(submodel_type), allocatable :: submodels(:)  !< SUBMODEL cards; unallocated: none
     type(step_type), allocatable :: steps(:)
     logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved

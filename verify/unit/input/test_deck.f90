@@ -929,7 +929,7 @@ contains
   subroutine test_refused(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
-    character(18), parameter :: REFUSED(7) = [character(18) :: 'RELEASE', 'EMBEDDED ELEMENT', 'GASKET SECTION', 'REBAR', &
+    character(18), parameter :: REFUSED(6) = [character(18) :: 'RELEASE', 'GASKET SECTION', 'REBAR', &
       'TRANSFORMF', 'JOINT', 'NETWORK MPC']
     integer :: i
     do i = 1, size(REFUSED)

@@ -1,0 +1,37 @@
+!> The cards EQUATION and EMBEDDED ELEMENT.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_card_constraints
+  use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_BOTH, VALUE_NAME, VALUE_REAL, VALUE_TEXT, VALUE_OPTIONAL_WORD
+  implicit none
+  private
+  public :: describe_equation, describe_embedded_elements
+
+contains
+
+  !> EQUATION.
+  subroutine describe_equation(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('EQUATION', SCOPE_BOTH, 'Sums of displacements and rotations that are zero; the first term is the one ' // &
+      'eliminated.', data='number of terms; then node or node set, degree of freedom, coefficient of each term; with REMOVE, ' // &
+      'in a step: node or node set, first and last degree of freedom')
+    call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
+    call table%option('REMOVE', VALUE_OPTIONAL_WORD, 'In a step: the equations whose first term is named hold no more, or all.', &
+      allowed='ALL')
+  end subroutine describe_equation
+
+
+  !> EMBEDDED ELEMENT.
+  subroutine describe_embedded_elements(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('EMBEDDED ELEMENT', SCOPE_MODEL, 'Elements such as reinforcing bars whose nodes move with the solids in ' // &
+      'which they lie; their rotations are free.', data='elements and element sets')
+    call table%option('HOST ELSET', VALUE_NAME, 'The elements in which they lie.', default='all that are not embedded')
+    call table%option('EXTERIOR TOLERANCE', VALUE_REAL, 'A node may be so far outside the hosts, over the mean size of their ' // &
+      'elements; it moves with the nearest point.', default='0.05')
+    call table%option('ABSOLUTE EXTERIOR TOLERANCE', VALUE_REAL, 'The same as a distance; with both the smaller counts.', &
+      default='none')
+    call table%option('ROUNDOFF TOLERANCE', VALUE_REAL, 'Weights of the nodes of a host below it are left out.', default='1e-6')
+    call table%add_dialect_note('CalculiX does not know the card and passes over it; here it holds in both dialects.')
+  end subroutine describe_embedded_elements
+
+end module amontons_card_constraints
