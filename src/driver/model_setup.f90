@@ -2,9 +2,9 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Opens user routines; gives the nodes of submodels the results of the global model; converts ties, distributing couplings and
-!! embedded elements to equations, general contact to contact pairs; gives pairs with dependent slave nodes a penalty; moves tied nodes and those of
-!! ADJUST onto their masters; gives elements the material of the first step. No later procedure has a model with intent(inout)
-!! (`make lint`).
+!! embedded elements to equations, general contact to contact pairs; gives pairs with dependent slave nodes a penalty; moves tied
+!! nodes and those of ADJUST onto their masters; gives elements the material of the first step. No later procedure has a model with
+!! intent(inout) (`make lint`).
 module amontons_model_setup
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
