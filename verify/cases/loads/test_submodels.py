@@ -21,6 +21,7 @@ from verify.decks.solids import KINDS, Solids, node_set, prescribed
 from verify.decks.submodels import CARD, GRADIENT, LAW, REMOTE, block, homogeneous_global, plate_global, plate_submodel, submodel
 from verify.independent.results import read_field, read_results
 
+Proof = Callable[..., Case]
 LOW, HIGH = np.zeros(3), np.array([4.0, 3.0, 2.0])
 STEP = "*STEP\n*STATIC\n{}*END STEP\n"
 DRIVEN = STEP.format("*BOUNDARY, SUBMODEL, STEP=1\nCUT, 1, 3\n")
@@ -208,7 +209,7 @@ def test_shells_and_planes(run: Run, tmp_path: Path) -> None:
     assert "of plane or axisymmetric elements" in re.sub(r"\s+", " ", done.stdout + done.stderr)
 
 
-def test_plate_with_hole(proof: Callable[..., Case]) -> None:
+def test_plate_with_hole(proof: Proof) -> None:
     """The region around a hole, cut out of a coarse plate."""
     case = proof(
         "submodel-of-a-hole",
