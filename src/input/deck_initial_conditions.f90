@@ -205,7 +205,7 @@ contains
     type(model_type), intent(inout) :: model
     type(orientation_type) :: orientation
     integer, allocatable :: members(:)
-    integer :: s, l, k, e
+    integer :: s, l, k, e, m
     logical :: is_given
     if (.not. allocated(model%structure%section)) return
     do s = 1, size(model%structure%sections)
@@ -215,8 +215,10 @@ contains
           members = pack([(e, e=1, model%mesh%n_elements)], model%structure%section == s .and. model%mesh%layer == l)
           if (size(members) == 0) cycle
           call find_layer_axes(reader, names, model, s, l, orientation, k, is_given)
+          m = model%mesh%material(members(1))
+          if (m == 0) cycle                        ! an unknown name, which is reported
           if (.not. (is_given .or. reader%dialect == DIALECT_CALCULIX .or. allocated(section%layers) .or. &
-            has_directions(model%materials(model%mesh%material(members(1)))))) cycle
+            has_directions(model%materials(m)))) cycle
           model%orientations = [model%orientations, orientation]
           model%element_orientation(members) = size(model%orientations)
           if (k == 0) cycle

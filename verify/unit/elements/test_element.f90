@@ -112,6 +112,7 @@ contains
     call evaluate_element_forces(kind, material, X(:, :n), u(:, :n), .true., expected, points, status)
     general = material
     general%is_linear_isotropic = .false.
+    points%has_frame = .false.
     points%temperature = 0
     points%initial_temperature = 0
     points%history_old = 0
