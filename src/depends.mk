@@ -121,7 +121,7 @@ uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces 
 uses_deck_faces = containers element_kinds mesh deck_reader
 uses_deck_surfaces = kinds text containers element_kinds loads user_routines mesh surfaces model cards card_schema deck_reader deck_structure deck_analytic_surfaces deck_faces
 uses_deck_contact = kinds text element_kinds mesh surfaces steps model cards card_schema deck_reader deck_surfaces
-uses_deck_embedded = kinds text element_kinds embeddings model cards card_schema deck_reader
+uses_deck_embedded = kinds element_kinds embeddings model cards card_schema deck_reader
 uses_deck_general_contact = kinds text containers element_kinds surfaces model cards card_schema deck_reader deck_structure
 uses_deck_ties = kinds text mpc_data model cards card_schema deck_reader
 uses_deck_mpc = kinds text tensor mpc_data structural_data model cards card_schema deck_reader
@@ -278,7 +278,7 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_contact_checks = kinds model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
-uses_submodel_results = kinds text errors posix logger element_kinds loads steps submodels model mesh_point_search global_results
+uses_submodel_results = kinds text errors posix logger element_kinds loads steps submodels model deck_restart mesh_point_search global_results
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
 uses_model_setup = kinds text errors logger loads model knots deck_structure embedded_elements tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies submodel_results user_routine_setup
 uses_driven_loads = kinds text errors loads steps model

@@ -11,7 +11,8 @@ module amontons_embedded_elements
   use amontons_embeddings, only: embedding_type
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_loads, only: equation_type, equation_list_type
-  use amontons_mesh_point_search, only: located_point_type, locate_points, mean_element_size
+  use amontons_mesh_point_search, only: located_point_type, locate_points, mean_element_size, &
+    select_elements, exterior_limit
   use amontons_model, only: model_type
   use amontons_text, only: to_text, plural, verb
   implicit none
@@ -62,22 +63,12 @@ contains
     type(embedding_type), intent(in) :: embedding
     type(hosts_type), intent(out) :: hosts
     type(element_kind_type) :: kind
-    integer :: i, n
-    n = size(embedding%hosts)
-    hosts%kind = model%mesh%kind(embedding%hosts)
-    allocate (hosts%first(n + 1))
-    hosts%first(1) = 1
+    integer :: i
+    call select_elements(model%mesh%kind, model%mesh%first, model%mesh%nodes, embedding%hosts, hosts%kind, hosts%first, hosts%nodes)
     hosts%n_dims = 2
-    do i = 1, n
-      hosts%first(i + 1) = hosts%first(i) + model%mesh%first(embedding%hosts(i) + 1) - model%mesh%first(embedding%hosts(i))
+    do i = 1, size(hosts%kind)
       kind = element_kind(hosts%kind(i))
       if (kind%family == FAMILY_SOLID) hosts%n_dims = 3
-    end do
-    allocate (hosts%nodes(hosts%first(n + 1) - 1))
-    do i = 1, n
-      associate (first => model%mesh%first(embedding%hosts(i)))
-        hosts%nodes(hosts%first(i):hosts%first(i + 1) - 1) = model%mesh%nodes(first:model%mesh%first(embedding%hosts(i) + 1) - 1)
-      end associate
     end do
   end subroutine gather_hosts
 
@@ -121,8 +112,7 @@ contains
     integer :: farthest, n
     if (size(nodes) == 0) return
     mean = mean_element_size(hosts%first, hosts%nodes, model%mesh%coordinates)
-    largest = embedding%absolute_tolerance
-    if (embedding%exterior_tolerance < huge(mean) / max(mean, 1.0_DP)) largest = min(largest, embedding%exterior_tolerance * mean)
+    largest = exterior_limit(embedding%exterior_tolerance, embedding%absolute_tolerance, mean)
     farthest = maxloc(located%distance, dim=1)
     where = '; the farthest, node ' // to_text(model%mesh%node_label(nodes(farthest))) // ', is ' // &
       to_text(located(farthest)%distance) // ' away from the nearest host.'

@@ -15,7 +15,7 @@ module amontons_mesh_point_search
   use amontons_shape_functions, only: shape_functions
   implicit none
   private
-  public :: located_point_type, locate_points, nearest_in_element, mean_element_size
+  public :: located_point_type, locate_points, nearest_in_element, mean_element_size, select_elements, exterior_limit
 
   integer, parameter :: MAX_PROJECTION_STEPS = 50
   integer, parameter :: MAX_HALVINGS = 20
@@ -85,6 +85,37 @@ contains
     end do
     mean = max(mean, tiny(1.0_DP))
   end function mean_element_size
+
+
+  !> Some elements of a mesh, one after the other.
+  pure subroutine select_elements(kind, first, nodes, chosen, own_kind, own_first, own_nodes)
+    integer, intent(in) :: kind(:)                     !< (elements)
+    integer, intent(in) :: first(:)                    !< (elements + 1) start of an element's nodes
+    integer, intent(in) :: nodes(:)
+    integer, intent(in) :: chosen(:)                   !< indices of elements
+    integer, allocatable, intent(out) :: own_kind(:), own_first(:), own_nodes(:)   !< the same of the chosen elements
+    integer :: i
+    own_kind = kind(chosen)
+    allocate (own_first(size(chosen) + 1))
+    own_first(1) = 1
+    do i = 1, size(chosen)
+      own_first(i + 1) = own_first(i) + first(chosen(i) + 1) - first(chosen(i))
+    end do
+    allocate (own_nodes(own_first(size(chosen) + 1) - 1))
+    do i = 1, size(chosen)
+      own_nodes(own_first(i):own_first(i + 1) - 1) = nodes(first(chosen(i)):first(chosen(i) + 1) - 1)
+    end do
+  end subroutine select_elements
+
+
+  !> How far a point may be outside: the smaller of both tolerances [length].
+  pure real(DP) function exterior_limit(exterior, absolute, mean_size) result(limit)
+    real(DP), intent(in) :: exterior                   !< over the mean size of the elements; huge: it does not count [-]
+    real(DP), intent(in) :: absolute                   !< [length]
+    real(DP), intent(in) :: mean_size                  !< [length]
+    limit = absolute
+    if (exterior < huge(limit)) limit = min(limit, exterior * mean_size)
+  end function exterior_limit
 
 
   !> The nearest of the elements that the search finds at a point.

@@ -10,9 +10,11 @@ module amontons_submodel_results
   use amontons_element_kinds, only: N_SOLID_KINDS
   use amontons_global_results, only: global_results_type, global_frame_type, open_global_results, close_global_results, &
     find_global_frames, read_global_field, find_global_set, GLOBAL_DISPLACEMENT, GLOBAL_TEMPERATURE
+  use amontons_deck_restart, only: folder_name
   use amontons_loads, only: amplitude_type, load_type, load_value, AMPLITUDE_TABLE
   use amontons_logger, only: logger_type
-  use amontons_mesh_point_search, only: located_point_type, locate_points, mean_element_size
+  use amontons_mesh_point_search, only: located_point_type, locate_points, mean_element_size, &
+    select_elements, exterior_limit
   use amontons_model, only: model_type, job_options_type, dof_direction, DIALECT_CALCULIX
   use amontons_posix, only: continue_checksum
   use amontons_steps, only: TOL_STOP_TIME
@@ -102,14 +104,6 @@ contains
   end function path_of
 
 
-  !> The folder of a path with its slash; empty: no folder.
-  pure function folder_name(path) result(folder)
-    character(*), intent(in) :: path
-    character(:), allocatable :: folder
-    folder = path(:index(path, '/', back=.true.))
-  end function folder_name
-
-
   !> The nodes of a card that some step drives.
   subroutine find_driven_nodes(model, s, driven)
     type(model_type), intent(in) :: model
@@ -147,13 +141,12 @@ contains
         'this deck of solids. Both must be of solids, or both of plane or axisymmetric elements.')
       return
     end if
-    call select_elements(model%submodels(s), results, model%dialect == DIALECT_CALCULIX .or. results%is_frd, kind, first, nodes, &
+    call find_elements(model%submodels(s), results, model%dialect == DIALECT_CALCULIX .or. results%is_frd, kind, first, nodes, &
       error)
     if (allocated(error)) return
     call locate_points(kind, first, nodes, results%coordinates, model%mesh%coordinates(:, driven%nodes), driven%located)
     associate (submodel => model%submodels(s))
-      tolerance = submodel%absolute_tolerance
-      if (submodel%exterior_tolerance < huge(tolerance)) tolerance = min(tolerance, submodel%exterior_tolerance * &
+      tolerance = exterior_limit(submodel%exterior_tolerance, submodel%absolute_tolerance, &
         mean_element_size(first, nodes, results%coordinates))
       call report_nodes_outside(model, submodel, results, driven, tolerance, logger, error)
     end associate
@@ -161,7 +154,7 @@ contains
 
 
   !> The global elements that count.
-  subroutine select_elements(submodel, results, is_set_of_deck, kind, first, nodes, error)
+  subroutine find_elements(submodel, results, is_set_of_deck, kind, first, nodes, error)
     type(submodel_type), intent(in) :: submodel
     type(global_results_type), intent(in) :: results
     logical, intent(in) :: is_set_of_deck            !< a set of the deck comes before one of the file
@@ -169,7 +162,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: labels(:)
     logical, allocatable :: is_wanted(:)
-    integer :: e, n
+    integer :: e
     if (submodel%global_elset == '') then
       kind = results%kind
       first = results%first
@@ -183,23 +176,10 @@ contains
     end if
     if (.not. allocated(labels)) labels = submodel%global_labels
     is_wanted = [(is_in(results%element_label(e)), e=1, size(results%kind))]
-    kind = pack(results%kind, is_wanted)
+    call select_elements(results%kind, results%first, results%nodes, pack([(e, e=1, size(is_wanted))], is_wanted), kind, first, &
+      nodes)
     if (size(kind) == 0) call set_error(error, EXIT_SETUP, 'GLOBAL ELSET=' // submodel%global_elset // ' has ' // &
       plural(size(labels), 'number') // ', but no element of ' // results%path // ' has one of them.')
-    if (allocated(error)) return
-    allocate (first(size(kind) + 1), nodes(0))
-    nodes = results%nodes                            ! at most so many
-    first(1) = 1
-    n = 0
-    do e = 1, size(is_wanted)
-      if (.not. is_wanted(e)) cycle
-      n = n + 1
-      associate (own => results%nodes(results%first(e):results%first(e + 1) - 1))
-        first(n + 1) = first(n) + size(own)
-        nodes(first(n):first(n + 1) - 1) = own
-      end associate
-    end do
-    nodes = nodes(:first(n + 1) - 1)
 
   contains
 
@@ -221,7 +201,7 @@ contains
       if (size(labels) > 0) is_in = labels(low) == label
     end function is_in
 
-  end subroutine select_elements
+  end subroutine find_elements
 
 
   !> Says how many driven nodes are outside the global model; farther than the tolerance they end the job, in Abaqus and here.

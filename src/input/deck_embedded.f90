@@ -6,12 +6,11 @@ module amontons_deck_embedded
   use amontons_kinds, only: DP
   use amontons_cards, only: data_row_type, parameter_type, field_text, next_row
   use amontons_card_schema, only: has_parameter, parameter_text
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, elements_of_field, is_card
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_tolerance, elements_of_field, is_card
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, &
     FAMILY_AXISYMMETRIC
   use amontons_embeddings, only: embedding_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: parse_real, NUMBER_OK
   implicit none
   private
   public :: read_embedded_elements
@@ -80,23 +79,6 @@ contains
     call read_tolerance(reader, c, parameters, 'ABSOLUTE EXTERIOR TOLERANCE', embedding%absolute_tolerance)
     call read_tolerance(reader, c, parameters, 'ROUNDOFF TOLERANCE', embedding%roundoff_tolerance)
   end function embedding_of
-
-
-  !> A tolerance of a card.
-  subroutine read_tolerance(reader, c, parameters, name, value)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c                         !< index of the card
-    type(parameter_type), intent(in) :: parameters(:)
-    character(*), intent(in) :: name
-    real(DP), intent(inout) :: value                 !< unchanged if the card does not give it
-    real(DP) :: given
-    integer :: status
-    if (.not. has_parameter(parameters, name)) return
-    call parse_real(parameter_text(parameters, name), given, status)
-    if (status /= NUMBER_OK) return                  ! the check of the cards reports it
-    if (given < 0) call report_error(reader, reader%cards%cards(c)%line, name // ' must not be negative.')
-    value = max(0.0_DP, given)
-  end subroutine read_tolerance
 
 
   !> Leaves the solids, plane and axisymmetric elements that are not embedded themselves.

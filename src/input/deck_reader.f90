@@ -4,15 +4,15 @@ module amontons_deck_reader
   use amontons_kinds, only: DP, NAME_LENGTH
   use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, read_parameters, field_integer, &
     field_real, field_text, start_rows, next_row
-  use amontons_card_schema, only: card_table_type, match_parameters, parameter_text
+  use amontons_card_schema, only: card_table_type, has_parameter, match_parameters, parameter_text
   use amontons_containers, only: name_table_type, label_table_type, integer_list_type
   use amontons_mesh, only: mesh_type
   use amontons_model, only: DIALECT_ABAQUS
-  use amontons_text, only: to_text, name_key, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
+  use amontons_text, only: to_text, name_key, parse_real, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
   implicit none
   private
-  public :: reader_type, time_list_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
-    check_no_data
+  public :: reader_type, time_list_type, open_card, report_error, report_note, read_real, read_integer, read_tolerance, &
+    check_n_fields, check_no_data
   public :: has_decimal_comma, DECIMAL_COMMA_TEXT, VALUES_PER_LINE
   public :: support_dofs, read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
 
@@ -164,6 +164,23 @@ contains
         field_text(reader%cards, row, i) // '''; it must be an integer.')
     end if
   end subroutine read_integer
+
+
+  !> A parameter that is a tolerance; reports a negative one.
+  subroutine read_tolerance(reader, c, parameters, name, value)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name
+    real(DP), intent(inout) :: value             !< unchanged if the card does not give it
+    real(DP) :: given
+    integer :: status
+    if (.not. has_parameter(parameters, name)) return
+    call parse_real(parameter_text(parameters, name), given, status)
+    if (status /= NUMBER_OK) return              ! the check of the cards reports it
+    if (given < 0) call report_error(reader, reader%cards%cards(c)%line, name // ' must not be negative: it is 0 or more.')
+    value = max(0.0_DP, given)
+  end subroutine read_tolerance
 
 
   !> The constants of a user routine, in lines of eight; reports too few and too many.

@@ -16,7 +16,7 @@ module amontons_deck_restart
   use amontons_text, only: parse_integer, is_one_of, NUMBER_OK, NEWLINE
   implicit none
   private
-  public :: join_decks
+  public :: join_decks, folder_name
 
   ! before new steps
   character(*), parameter :: CARDS_BEFORE_STEPS = 'HEADING|RESTART|AMPLITUDE|NSET|ELSET|SURFACE|TIMEPOINTS|PREPRINT'

@@ -7,11 +7,11 @@ module amontons_deck_submodel
   use amontons_cards, only: data_row_type, parameter_type, field_integer, field_text, next_row
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_containers, only: integer_list_type, sort_ascending
-  use amontons_deck_reader, only: reader_type, open_card, report_error, nodes_of_field, is_card
+  use amontons_deck_reader, only: reader_type, open_card, report_error, read_tolerance, nodes_of_field, is_card
   use amontons_model, only: model_type, job_options_type, DIALECT_CALCULIX
   use amontons_structural_data, only: find_node_directors
   use amontons_submodels, only: submodel_type
-  use amontons_text, only: name_key, to_text, parse_integer, parse_real, NUMBER_OK
+  use amontons_text, only: name_key, to_text, parse_integer, NUMBER_OK
   implicit none
   private
   public :: read_submodels, read_global_step, check_driven_nodes
@@ -55,29 +55,13 @@ contains
       'globalmodel=file. The file is a .vtkhdf of Amontons, or a .frd of Amontons or CalculiX.')
     submodel%is_exterior_error = reader%dialect /= DIALECT_CALCULIX .or. has_parameter(parameters, 'EXTERIOR TOLERANCE') .or. &
       has_parameter(parameters, 'ABSOLUTE EXTERIOR TOLERANCE')
-    call read_tolerance('EXTERIOR TOLERANCE', submodel%exterior_tolerance)
-    call read_tolerance('ABSOLUTE EXTERIOR TOLERANCE', submodel%absolute_tolerance)
+    if (has_parameter(parameters, 'ABSOLUTE EXTERIOR TOLERANCE') .and. .not. has_parameter(parameters, 'EXTERIOR TOLERANCE')) &
+      submodel%exterior_tolerance = huge(1.0_DP)
+    call read_tolerance(reader, c, parameters, 'EXTERIOR TOLERANCE', submodel%exterior_tolerance)
+    call read_tolerance(reader, c, parameters, 'ABSOLUTE EXTERIOR TOLERANCE', submodel%absolute_tolerance)
     submodel%global_elset = parameter_text(parameters, 'GLOBAL ELSET')
     call read_global_set(reader, submodel)
     call read_members(reader, model, c, row, size(model%submodels) + 1, submodel)
-
-  contains
-
-    !> A tolerance that is not negative.
-    subroutine read_tolerance(name, value)
-      character(*), intent(in) :: name
-      real(DP), intent(inout) :: value             !< unchanged if the card does not give it
-      real(DP) :: given
-      integer :: status
-      if (.not. has_parameter(parameters, name)) return
-      call parse_real(parameter_text(parameters, name), given, status)
-      if (status /= NUMBER_OK) return            ! the check of the cards reports it
-      if (given < 0) call report_error(reader, reader%cards%cards(c)%line, name // ' is a distance: it is 0 or more.')
-      value = max(0.0_DP, given)
-      if (name == 'ABSOLUTE EXTERIOR TOLERANCE' .and. .not. has_parameter(parameters, 'EXTERIOR TOLERANCE')) &
-        submodel%exterior_tolerance = huge(given)
-    end subroutine read_tolerance
-
   end subroutine read_submodel
 
 

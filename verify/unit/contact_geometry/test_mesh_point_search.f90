@@ -5,7 +5,8 @@ program test_mesh_point_search
   use amontons_kinds, only: DP
   use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_C3D4, KIND_C3D6, KIND_C3D8, &
     KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_CPS3, KIND_CPS4, KIND_CPS6, KIND_CPS8
-  use amontons_mesh_point_search, only: located_point_type, locate_points, nearest_in_element, mean_element_size
+  use amontons_mesh_point_search, only: located_point_type, locate_points, nearest_in_element, mean_element_size, &
+    select_elements, exterior_limit
   use amontons_shape_functions, only: shape_functions, node_coordinates
   use check, only: suite_type
   implicit none
@@ -19,6 +20,7 @@ program test_mesh_point_search
   end do
   call check_grid()
   call check_none()
+  call check_selection()
   call suite%finish()
 
 contains
@@ -190,5 +192,16 @@ contains
     call locate_points([integer ::], [1], [integer ::], x, points(:, :0), located)
     call suite%that('no points', size(located) == 0)
   end subroutine check_none
+
+
+  !> Two of three elements, and the smaller of two tolerances.
+  subroutine check_selection()
+    integer, allocatable :: kind(:), first(:), nodes(:)
+    call select_elements([1, 2, 3], [1, 5, 8, 12], [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], [2, 3], kind, first, nodes)
+    call suite%that('two of three elements', all(kind == [2, 3]) .and. all(first == [1, 4, 8]) .and. &
+      all(nodes == [5, 6, 7, 8, 9, 10, 11]))
+    call suite%near('over the mean size', exterior_limit(0.05_DP, 1.0_DP, 2.0_DP), 0.1_DP, 1e-15_DP)
+    call suite%near('a distance alone', exterior_limit(huge(1.0_DP), 1.0_DP, 2.0_DP), 1.0_DP, 0.0_DP)
+  end subroutine check_selection
 
 end program test_mesh_point_search
