@@ -23,7 +23,8 @@ module amontons_job_files
   use amontons_text_output, only: text_output_type, open_text_output, resume_text_output, print_iteration, print_increment, &
     print_fields, &
     sync_text_output, text_output_lengths, check_text_output, close_text_output
-  use amontons_frd_output, only: frd_type, open_frd, write_frd_mesh, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
+  use amontons_frd_output, only: frd_type, open_frd, is_frd_open, write_frd_mesh, resume_frd, write_frd, frd_file_counts, &
+    sync_frd, close_frd
   use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
   use amontons_driven_loads, only: driven_loads_type
@@ -111,7 +112,7 @@ contains
     if (.not. allocated(error)) call write_first(analysis, .true., error)
     call share_error(error)
     if (allocated(error)) return
-    !$omp parallel sections num_threads(2) if(has_two_threads())
+    !$omp parallel sections num_threads(2) if(has_two_tasks(analysis))
     !$omp section
     if (is_first_rank()) call begin_first_files(analysis, error)
     !$omp section
@@ -278,7 +279,7 @@ contains
         call share_error(error)
         if (allocated(error)) return
       end if
-      !$omp parallel sections num_threads(2) if(has_two_threads())
+      !$omp parallel sections num_threads(2) if(has_two_tasks(analysis))
       !$omp section
       if (is_first_rank()) call write_increment(analysis%results, analysis%model, analysis%state%old, record, error)
       !$omp section
@@ -315,12 +316,14 @@ contains
   end subroutine write_texts
 
 
-  !> Whether there are exactly two threads: one per kind of file. More threads share compression and conversion of each file.
-  logical function has_two_threads()
+  !> Whether there is a kind of file for each of exactly two threads. More threads, and two for the result file alone, share the
+  !! compression and conversion of each file.
+  logical function has_two_tasks(analysis)
 !$  use omp_lib, only: omp_get_max_threads, omp_get_level
-    has_two_threads = .false.
-!$  if (omp_get_level() == 0) has_two_threads = omp_get_max_threads() == 2
-  end function has_two_threads
+    type(analysis_type), intent(in) :: analysis
+    has_two_tasks = .false.
+!$  if (omp_get_level() == 0) has_two_tasks = omp_get_max_threads() == 2 .and. is_frd_open(analysis%frd)
+  end function has_two_tasks
 
 
   !> RESTART, WRITE: writes the state of an increment if it is due: every n-th and the last of the step; under the calculix

@@ -10,7 +10,7 @@
 !! Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 12.6 (domains and their border).
 module amontons_incomplete_cholesky
   use amontons_kinds, only: DP, SP
-  use amontons_containers, only: list_groups
+  use amontons_containers, only: list_groups, sort_ascending
   use amontons_sparse, only: sparse_type
   implicit none
   private
@@ -29,7 +29,11 @@ module amontons_incomplete_cholesky
     integer, allocatable :: first_row(:)               !< (n_domains + 2) first row of each domain and of the border, and n + 1, if
                                                        !! there are several domains
     integer, allocatable :: unknown(:)                 !< (n) unknown of each row, likewise: domain after domain, the border last
+    integer, allocatable :: row_of(:)                  !< (n) row of each unknown, likewise
     type(sparse_type) :: pattern                       !< of U by rows, likewise
+    integer, allocatable :: moved_first(:)             !< (rows of the domains + 1) first place of a row in the next two, likewise
+    integer, allocatable :: moved(:)                   !< entries of A in rows of the border that stand in a row of a domain here
+    integer, allocatable :: moved_column(:)            !< their columns here
     integer, allocatable :: border_entry(:)            !< (n) its first entry of each row in a column of the border, likewise
   end type incomplete_cholesky_type
 
@@ -55,14 +59,13 @@ contains
     if (.not. allocated(self%value)) allocate (self%value(size(matrix%column)))
     do attempt = 1, MAX_SHIFTS
       if (self%n_domains == 1) then
-        call factorise_rows(matrix, 1, 1, self%n, self%shift, self%value, is_broken)
+        call factorise_rows(self, matrix, matrix, 1, 1, self%n, is_broken)
       else
-        call factorise_domains(self, is_broken)
+        call factorise_domains(self, matrix, is_broken)
       end if
       if (.not. is_broken) exit
       self%shift = max(INITIAL_SHIFT, 2.0_DP * self%shift)
     end do
-    if (allocated(self%pattern%value)) deallocate (self%pattern%value)
   end subroutine factorise_incomplete
 
 
@@ -73,12 +76,12 @@ contains
   end subroutine discard_incomplete
 
 
-  !> Numbers the rows by domains, then the border, and lists A in their order.
+  !> Numbers the rows by domains, then the border, and lists the pattern of A in their order.
   subroutine divide_rows(self, matrix, domain)
     type(incomplete_cholesky_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: domain(:)                   !< (n) of each unknown
-    integer :: group(self%n), row_of(self%n), i, k, p, n_rows_inside
+    integer :: group(self%n), i, k, p, n_rows_inside
     group = domain
     do i = 1, self%n
       do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
@@ -89,23 +92,25 @@ contains
       end do
     end do
     call list_groups(group, self%n_domains + 1, self%first_row, self%unknown)
+    if (allocated(self%row_of)) deallocate (self%row_of)
+    allocate (self%row_of(self%n))
     !$omp parallel do schedule(static)
     do i = 1, self%n
-      row_of(self%unknown(i)) = i
+      self%row_of(self%unknown(i)) = i
     end do
     !$omp end parallel do
     n_rows_inside = self%first_row(self%n_domains + 1) - 1
-    call count_entries(self, matrix, row_of, n_rows_inside)
-    call list_entries(self, matrix, row_of, n_rows_inside)
+    call count_entries(self, matrix, n_rows_inside)
+    call list_moved_entries(self, matrix, n_rows_inside)
+    call list_columns(self, matrix, n_rows_inside)
   end subroutine divide_rows
 
 
   !> The first entry of each row: those of A above the diagonal, but those between the border and a domain stand in the row of the
   !! domain.
-  subroutine count_entries(self, matrix, row_of, n_rows_inside)
+  subroutine count_entries(self, matrix, n_rows_inside)
     type(incomplete_cholesky_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
-    integer, intent(in) :: row_of(:)                   !< (n) of each unknown
     integer, intent(in) :: n_rows_inside               !< of the domains
     integer :: row, p
     if (allocated(self%pattern%first)) deallocate (self%pattern%first)
@@ -122,7 +127,7 @@ contains
       first(n_rows_inside + 2:) = 0
       do row = n_rows_inside + 1, self%n
         do p = matrix%first(self%unknown(row)), matrix%first(self%unknown(row) + 1) - 1
-          associate (other => min(row, row_of(matrix%column(p))))
+          associate (other => min(row, self%row_of(matrix%column(p))))
             first(other + 1) = first(other + 1) + 1
           end associate
         end do
@@ -134,145 +139,130 @@ contains
   end subroutine count_entries
 
 
-  !> Columns and values of the rows, ascending, and where the columns of the border begin.
-  subroutine list_entries(self, matrix, row_of, n_rows_inside)
+  !> The entries of A between the border and a domain that A has in the row of the border, by rows of the domains.
+  subroutine list_moved_entries(self, matrix, n_rows_inside)
     type(incomplete_cholesky_type), intent(inout) :: self
     type(sparse_type), intent(in) :: matrix
-    integer, intent(in) :: row_of(:)                   !< (n) of each unknown
     integer, intent(in) :: n_rows_inside               !< of the domains
-    integer :: next(self%n), row, k
+    integer, allocatable :: entry(:), from(:), to(:), order(:)
+    integer :: row, p, pass, n
+    do pass = 1, 2
+      n = 0
+      do row = n_rows_inside + 1, self%n
+        do p = matrix%first(self%unknown(row)), matrix%first(self%unknown(row) + 1) - 1
+          if (self%row_of(matrix%column(p)) > n_rows_inside) cycle
+          n = n + 1
+          if (pass == 1) cycle
+          entry(n) = p
+          from(n) = row
+          to(n) = self%row_of(matrix%column(p))
+        end do
+      end do
+      if (pass == 1) allocate (entry(n), from(n), to(n))
+    end do
+    call list_groups(to, n_rows_inside, self%moved_first, order)
+    self%moved = entry(order)
+    self%moved_column = from(order)
+  end subroutine list_moved_entries
+
+
+  !> Columns of the rows, ascending, and where those of the border begin.
+  subroutine list_columns(self, matrix, n_rows_inside)
+    type(incomplete_cholesky_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: n_rows_inside               !< of the domains
+    integer :: row, p, k
     if (allocated(self%pattern%column)) deallocate (self%pattern%column)
     if (allocated(self%border_entry)) deallocate (self%border_entry)
-    allocate (self%pattern%column(size(matrix%column)), self%pattern%value(size(matrix%column)), self%border_entry(self%n))
-    !$omp parallel do schedule(static)
-    do row = 1, n_rows_inside
-      next(row) = self%pattern%first(row)
-      call append(self%unknown(row))
-    end do
-    !$omp end parallel do
-    do row = n_rows_inside + 1, self%n
-      next(row) = self%pattern%first(row)
-    end do
-    do row = n_rows_inside + 1, self%n
-      call append(self%unknown(row))
-    end do
-    !$omp parallel do schedule(static) private(k)
+    allocate (self%pattern%column(size(matrix%column)), self%border_entry(self%n))
+    !$omp parallel do schedule(static) private(p, k)
     do row = 1, self%n
-      associate (low => self%pattern%first(row), high => self%pattern%first(row + 1) - 1)
-        call sort_entries(self%pattern%column(low:high), self%pattern%value(low:high))
-        k = high
-        do while (self%pattern%column(k) > n_rows_inside .and. k > low)
-          k = k - 1
-        end do
-        self%border_entry(row) = k + 1
-      end associate
+      k = self%pattern%first(row)
+      do p = matrix%first(self%unknown(row)), matrix%first(self%unknown(row) + 1) - 1
+        if (self%row_of(matrix%column(p)) < row) cycle   ! moved
+        self%pattern%column(k) = self%row_of(matrix%column(p))
+        k = k + 1
+      end do
+      if (row <= n_rows_inside) self%pattern%column(k:self%pattern%first(row + 1) - 1) = &
+        self%moved_column(self%moved_first(row):self%moved_first(row + 1) - 1)
+      call sort_ascending(self%pattern%column(self%pattern%first(row):self%pattern%first(row + 1) - 1))
+      k = self%pattern%first(row + 1) - 1
+      do while (self%pattern%column(k) > n_rows_inside .and. k > self%pattern%first(row))
+        k = k - 1
+      end do
+      self%border_entry(row) = k + 1
     end do
     !$omp end parallel do
-
-  contains
-
-    !> The entries of a row of A.
-    subroutine append(i)
-      integer, intent(in) :: i                         !< unknown
-      integer :: q, low
-      do q = matrix%first(i), matrix%first(i + 1) - 1
-        low = min(row_of(i), row_of(matrix%column(q)))
-        self%pattern%column(next(low)) = max(row_of(i), row_of(matrix%column(q)))
-        self%pattern%value(next(low)) = matrix%value(q)
-        next(low) = next(low) + 1
-      end do
-    end subroutine append
-
-  end subroutine list_entries
-
-
-  !> Sorts the entries of a row, which nearly ascend, by insertion.
-  pure subroutine sort_entries(column, value)
-    integer, intent(inout) :: column(:)
-    real(DP), intent(inout) :: value(:)
-    real(DP) :: moved_value
-    integer :: i, k, moved
-    do i = 2, size(column)
-      moved = column(i)
-      if (column(i - 1) < moved) cycle
-      moved_value = value(i)
-      do k = i - 1, 1, -1
-        if (column(k) < moved) exit
-        column(k + 1) = column(k)
-        value(k + 1) = value(k)
-      end do
-      column(k + 1) = moved
-      value(k + 1) = moved_value
-    end do
-  end subroutine sort_entries
+  end subroutine list_columns
 
 
   !> The rows of the domains, a thread for each, then those of the border.
-  subroutine factorise_domains(self, is_broken)
+  subroutine factorise_domains(self, matrix, is_broken)
     type(incomplete_cholesky_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: matrix
     logical, intent(out) :: is_broken                  !< a pivot is not positive
     logical :: is_domain_broken(self%n_domains)
     integer :: d
     associate (first => self%first_row)
       !$omp parallel do schedule(static, 1) num_threads(self%n_domains)
       do d = 1, self%n_domains
-        call factorise_rows(self%pattern, first(d), first(d), first(d + 1) - 1, self%shift, self%value, is_domain_broken(d))
+        call factorise_rows(self, matrix, self%pattern, first(d), first(d), first(d + 1) - 1, is_domain_broken(d))
       end do
       !$omp end parallel do
       is_broken = any(is_domain_broken)
-      if (.not. is_broken) call factorise_rows(self%pattern, 1, first(self%n_domains + 1), self%n, self%shift, self%value, &
-        is_broken)
+      if (.not. is_broken) call factorise_rows(self, matrix, self%pattern, 1, first(self%n_domains + 1), self%n, is_broken)
     end associate
   end subroutine factorise_domains
 
 
   !> Some rows of U, each from the rows before it that have an entry in its column. Sums are of double precision, U is not.
-  subroutine factorise_rows(matrix, start, low, high, shift, u, is_broken)
-    type(sparse_type), intent(in) :: matrix
+  subroutine factorise_rows(self, matrix, pattern, start, low, high, is_broken)
+    type(incomplete_cholesky_type), intent(inout) :: self   !< the values of the rows are set, the diagonal as the reciprocal
+    type(sparse_type), intent(in) :: matrix            !< A
+    type(sparse_type), intent(in) :: pattern           !< of U
     integer, intent(in) :: start                       !< first row on which they depend: done before, if it is lower than `low`
     integer, intent(in) :: low, high                   !< rows; other rows before them have no entry in their columns
-    real(DP), intent(in) :: shift                      !< of the diagonal [-]
-    real(SP), intent(inout) :: u(:)                    !< entries; those of the rows are set, the diagonal as the reciprocal
     logical, intent(out) :: is_broken                  !< a pivot is not positive
-    integer :: place(low:matrix%n_rows)                ! position of a column in row k, from 1; 0: not in it
+    integer :: place(low:pattern%n_rows)               ! position of a column in row k, from 1; 0: not in it
     integer :: head(low:high), next(start:high)        ! rows whose next entry is in a column: the first one, the one after a row
     integer :: entry(start:high)                       ! the next entry of a row
     real(DP), allocatable :: row(:)                    ! row k
-    real(DP) :: pivot
+    real(DP) :: diagonal, pivot
     integer :: i, k, p, first, last, after
     is_broken = .false.
     if (high < low) return
-    allocate (row(maxval(matrix%first(low + 1:high + 1) - matrix%first(low:high))))
+    allocate (row(maxval(pattern%first(low + 1:high + 1) - pattern%first(low:high))))
     place = 0
     head = 0
     is_broken = .true.
     do i = start, low - 1
-      p = matrix%first(i + 1)
-      do while (matrix%column(p - 1) >= low)
+      p = pattern%first(i + 1)
+      do while (pattern%column(p - 1) >= low)
         p = p - 1
       end do
       call await(i, p)
     end do
     do k = low, high
-      first = matrix%first(k)
-      last = matrix%first(k + 1) - 1
-      row(:last - first + 1) = matrix%value(first:last)
-      row(1) = (1.0_DP + shift) * row(1)
+      first = pattern%first(k)
+      last = pattern%first(k + 1) - 1
       do p = first, last
-        place(matrix%column(p)) = p - first + 1
+        place(pattern%column(p)) = p - first + 1
       end do
+      call take_row(self, matrix, k, low, place, row)
+      diagonal = row(1)
+      row(1) = (1.0_DP + self%shift) * diagonal
       i = head(k)
       do while (i > 0)
         after = next(i)
-        call subtract_row(matrix, entry(i), matrix%first(i + 1) - 1, u, low, place, row)
+        call subtract_row(pattern, entry(i), pattern%first(i + 1) - 1, self%value, low, place, row)
         call await(i, entry(i) + 1)
         i = after
       end do
-      place(matrix%column(first:last)) = 0
-      if (.not. row(1) > MIN_PIVOT_RATIO * matrix%value(first)) return
+      place(pattern%column(first:last)) = 0
+      if (.not. row(1) > MIN_PIVOT_RATIO * diagonal) return
       pivot = 1.0_DP / sqrt(row(1))
-      u(first) = real(pivot, SP)
-      u(first + 1:last) = real(pivot * row(2:last - first + 1), SP)
+      self%value(first) = real(pivot, SP)
+      self%value(first + 1:last) = real(pivot * row(2:last - first + 1), SP)
       call await(k, first + 1)
     end do
     is_broken = .false.
@@ -282,19 +272,42 @@ contains
     !> Lists a row at the column of its next entry, if it has one there.
     subroutine await(i, p)
       integer, intent(in) :: i, p
-      if (p >= matrix%first(i + 1)) return
-      if (matrix%column(p) > high) return
+      if (p >= pattern%first(i + 1)) return
+      if (pattern%column(p) > high) return
       entry(i) = p
-      next(i) = head(matrix%column(p))
-      head(matrix%column(p)) = i
+      next(i) = head(pattern%column(p))
+      head(pattern%column(p)) = i
     end subroutine await
 
   end subroutine factorise_rows
 
 
-  !> Subtracts from row k u_ik times the rest of row i, within the pattern of row k.
-  pure subroutine subtract_row(matrix, first, last, u, low, place, row)
+  !> The entries of A in a row of U.
+  pure subroutine take_row(self, matrix, k, low, place, row)
+    type(incomplete_cholesky_type), intent(in) :: self
     type(sparse_type), intent(in) :: matrix
+    integer, intent(in) :: k                           !< row
+    integer, intent(in) :: low                         !< least column
+    integer, intent(in) :: place(low:)                 !< of the columns in the row
+    real(DP), intent(inout) :: row(:)
+    integer :: p
+    if (self%n_domains == 1) then
+      row(:matrix%first(k + 1) - matrix%first(k)) = matrix%value(matrix%first(k):matrix%first(k + 1) - 1)
+      return
+    end if
+    do p = matrix%first(self%unknown(k)), matrix%first(self%unknown(k) + 1) - 1
+      if (self%row_of(matrix%column(p)) >= k) row(place(self%row_of(matrix%column(p)))) = matrix%value(p)
+    end do
+    if (k >= size(self%moved_first)) return
+    do p = self%moved_first(k), self%moved_first(k + 1) - 1
+      row(place(self%moved_column(p))) = matrix%value(self%moved(p))
+    end do
+  end subroutine take_row
+
+
+  !> Subtracts from row k u_ik times the rest of row i, within the pattern of row k.
+  pure subroutine subtract_row(pattern, first, last, u, low, place, row)
+    type(sparse_type), intent(in) :: pattern           !< of U
     integer, intent(in) :: first, last                 !< entries of row i from u_ik to its end
     real(SP), intent(in) :: u(:)
     integer, intent(in) :: low                         !< least column
@@ -302,7 +315,7 @@ contains
     real(DP), intent(inout) :: row(:)
     integer :: p
     do p = first, last
-      if (place(matrix%column(p)) > 0) row(place(matrix%column(p))) = row(place(matrix%column(p))) - real(u(first), DP) * &
+      if (place(pattern%column(p)) > 0) row(place(pattern%column(p))) = row(place(pattern%column(p))) - real(u(first), DP) * &
         real(u(p), DP)
     end do
   end subroutine subtract_row

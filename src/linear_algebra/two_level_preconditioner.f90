@@ -39,7 +39,8 @@ module amontons_two_level_preconditioner
   public :: take_coarse_space, factorise_first_level, factorise_second_level, apply_first_level, restrict_residual, &
     solve_second_level, add_correction
 
-  integer, parameter :: NODES_PER_PART = 60   !< fewer iterations with smaller parts, but a larger coarse factor | 0012
+  real(DP), parameter :: NODES_PER_PART = 60.0_DP   !< fewer iterations with smaller parts, but a larger coarse factor | 0012
+  real(DP), parameter :: NODES_OF_LARGE_MESH = 1.0e5_DP   !< from here on the nodes of a part grow with the fourth root | 0012
   real(DP), parameter :: COARSE_ENTRIES_RATIO = 30.0_DP   !< entries of the factor of Z'AZ over its size to the power 4/3 [-]
   real(DP), parameter :: MAX_CORNER_ENTRIES = 1.5_DP   !< entries of the factor of P'AP over those of A; at 2 a solution with it
                                                    !! reads as many bytes as one with U and its pattern [-] | 0012
@@ -76,14 +77,22 @@ contains
   !> Number of parts for a number of nodes.
   pure integer function choose_n_parts(n_nodes) result(n_parts)
     integer, intent(in) :: n_nodes
-    n_parts = max(1, n_nodes / NODES_PER_PART)
+    n_parts = max(1, int(real(n_nodes, DP) / nodes_of_part(n_nodes)))
   end function choose_n_parts
+
+
+  !> Nodes of a part. The cost of the coarse factor grows with the square of the number of parts: in large meshes parts of one size
+  !! would take more time than the iterations they save.
+  pure real(DP) function nodes_of_part(n_nodes)
+    integer, intent(in) :: n_nodes                     !< of the mesh
+    nodes_of_part = NODES_PER_PART * max(1.0_DP, real(n_nodes, DP) / NODES_OF_LARGE_MESH)**0.25_DP
+  end function nodes_of_part
 
 
   !> Elements of a part.
   pure integer function elements_of_part(n_elements, n_nodes)
     integer, intent(in) :: n_elements, n_nodes
-    elements_of_part = max(1, nint(real(NODES_PER_PART, DP) * real(n_elements, DP) / real(max(1, n_nodes), DP)))
+    elements_of_part = max(1, nint(nodes_of_part(n_nodes) * real(n_elements, DP) / real(max(1, n_nodes), DP)))
   end function elements_of_part
 
 

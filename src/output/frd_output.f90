@@ -37,7 +37,7 @@ module amontons_frd_output
   use amontons_version, only: VERSION
   implicit none
   private
-  public :: frd_type, open_frd, write_frd_mesh, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
+  public :: frd_type, open_frd, is_frd_open, write_frd_mesh, resume_frd, write_frd, frd_file_counts, sync_frd, close_frd
 
   real(DP), parameter :: TOL_EQUAL_PRESSURE = 1.0e-6_DP         !< relative difference of equal pressures [-]
   integer, parameter :: KIND_SCALAR = 1, KIND_VECTOR = 2, KIND_TENSOR = 4   !< of CGX
@@ -90,6 +90,13 @@ contains
     if (.not. is_wanted(model, options)) return
     call open_file(frd, 'replace', error)
   end subroutine open_frd
+
+
+  !> Whether the job writes the file, by this rank.
+  pure logical function is_frd_open(frd)
+    type(frd_type), intent(in) :: frd
+    is_frd_open = frd%unit /= 0
+  end function is_frd_open
 
 
   !> Writes the mesh, if the file is open.
