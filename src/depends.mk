@@ -113,9 +113,10 @@ uses_deck_property_tables = kinds text materials model cards card_schema deck_re
 uses_deck_elasticity = kinds text materials invariant_elasticity cards card_schema deck_reader deck_property_tables
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables deck_elasticity
 uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
+uses_deck_named_nodes = text containers element_kinds model cards card_schema element_drafts deck_reader
 uses_deck_section_beams = kinds text element_kinds materials user_elements model beam_cross_sections section_beams cards card_schema element_drafts deck_reader deck_user_elements deck_beams
 uses_deck_shell_stiffness = kinds text structural_data model equivalent_layers cards card_schema deck_reader deck_materials
-uses_deck_structure = kinds text containers controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams deck_section_beams deck_shell_stiffness
+uses_deck_structure = kinds text controls element_kinds structural_data model expansion cards card_schema element_drafts deck_reader deck_beams deck_named_nodes deck_section_beams deck_shell_stiffness
 uses_deck_initial_conditions = kinds text containers element_kinds loads materials structural_data model cards card_schema deck_reader deck_submodel deck_structure
 uses_deck_analytic_surfaces = kinds text tensor analytic_profiles mesh surfaces mpc_data model cards card_schema deck_reader
 uses_deck_faces = containers element_kinds mesh deck_reader
@@ -231,14 +232,14 @@ uses_newton_step = kinds errors iteration_records sparse factorization woodbury_
 uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
-uses_model_check_bodies = kinds text errors element_kinds mesh model element
+uses_model_check_bodies = kinds text errors tensor element_kinds mesh model element
 uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization exterior_membership rigid_exterior model_check_bodies
 uses_motion_rows = kinds containers column_singletons sparse_null_space
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds surfaces steps model contact_constraint_rows state stabilization contact_pairs model_check_bodies model_check_contact motion_rows rigid_modes
 uses_balanced_bodies = kinds text tensor loads mpc_data structural_data model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion
 uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model exterior_surface facet_search face_proximity general_contact model_check_bodies
-uses_model_check = kinds text containers errors element_kinds loads mesh steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
+uses_model_check = kinds text containers errors element_kinds loads mesh mpc_data steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear
 uses_active_set_history = kinds state

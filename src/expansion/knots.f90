@@ -143,10 +143,10 @@ contains
     logical :: is_used(size(director%nodes))
     integer :: nodes(3), k, i, first_step
     real(DP) :: share
-    weight = mean_weights(director, model%dialect == DIALECT_CALCULIX)
-    is_used = abs(weight) > 0
     associate (section => model%structure%sections(director%section))
       do k = 1, merge(2, 3, director%is_meridional)
+        weight = mean_weights(director, model%dialect == DIALECT_CALCULIX, model%structure%is_constrained(k, director%node))
+        is_used = abs(weight) > 0
         n = n + 1
         equations(n) = new_equation([director%node, pack(director%nodes, is_used)], spread(k, 1, 1 + count(is_used)), &
           [1.0_DP, -pack(weight, is_used)], section%card, section%line)

@@ -383,19 +383,19 @@ contains
     call table%add_dialect_note('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. ' // &
       'PLANE, STRAIGHT, BEAM and DIST turn NLGEOM on for all steps under calculix.')
 
-    call table%card('RIGID BODY', SCOPE_MODEL, 'Nodes that move with a reference node as a rigid body; its degrees of ' // &
-      'freedom 4 to 6 are the rotation vector.')
+    call table%card('RIGID BODY', SCOPE_MODEL, 'Nodes that move with a reference node (4 to 6: its rotation vector).')
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')
     call table%option('NSET', VALUE_NAME, 'The nodes; or')
     call table%option('ELSET', VALUE_NAME, 'the elements whose nodes are taken.')
     call table%option('ANALYTICAL SURFACE', VALUE_NAME, 'A surface of TYPE SEGMENTS, CYLINDER or REVOLUTION that moves along.')
     call table%option('ROT NODE', VALUE_NAME, 'A node whose displacement is the rotation vector.')
-    call table%option('PIN NSET', VALUE_NAME, 'The nodes: those of solids have no rotations, and a pin is as good as a weld.')
-    call table%option('TIE NSET', VALUE_NAME, 'The same.')
+    call table%option('PIN NSET', VALUE_NAME, 'The nodes without rotations: a hinge of shells and beams.')
+    call table%option('TIE NSET', VALUE_NAME, 'The nodes with the rotations of shells and beams.')
     call table%option('POSITION', VALUE_WORD, 'Where the reference node is: where *NODE says.', allowed='INPUT', default='INPUT')
     call table%reject_words('CENTER OF MASS', 'Give the reference node its place.')
     call table%option('ISOTHERMAL|DENSITY|OFFSET|NODAL THICKNESS', VALUE_TEXT, 'A rigid body has neither mass nor thickness.', &
       status=ENTRY_IGNORED)
+    call table%add_dialect_note('NSET: with the rotations of shells and beams in the abaqus dialect, without them under calculix.')
 
     call table%card('COUPLING', SCOPE_MODEL, 'Couples a surface to a reference node; *KINEMATIC or *DISTRIBUTING follows.')
     call table%option('REF NODE', VALUE_NAME, 'The reference node.', default='required')

@@ -287,7 +287,14 @@ contains
     do i = 1, size(NAMES)
       if (.not. has_parameter(parameters, trim(NAMES(i)))) cycle
       call nodes_of_set(reader, model, c, parameter_text(parameters, trim(NAMES(i))), named, is_ok)
-      if (allocated(model%structure) .and. NAMES(i) /= 'PIN NSET') named = expanded_nodes(model%structure, named)
+      if (allocated(model%structure)) then
+        if (NAMES(i) == 'TIE NSET' .or. (NAMES(i) == 'NSET' .and. model%dialect /= DIALECT_CALCULIX)) then
+          named = expanded_nodes(model%structure, named)
+        else if (NAMES(i) == 'NSET' .and. size(expanded_nodes(model%structure, named)) > size(named)) then
+          call report_note(reader, reader%cards%cards(c)%line, 'As in CalculiX this rigid body binds the displacements of ' // &
+            'nodes of shells and beams, not their rotations: nodes on one line are a hinge. TIE NSET binds both.')
+        end if
+      end if
       is_member(named) = .true.
     end do
     nodes = pack([(i, i=1, model%mesh%n_nodes)], is_member(1:))

@@ -289,7 +289,8 @@ contains
     if (allocated(model%frame_of)) is_turned = model%frame_of(node) > 0
     if (allocated(model%structure) .and. .not. is_turned) call find_node_directors(model%structure, node, first, last)
     if (last == first) then
-      weight = force_weights(model%structure%directors(first), model%dialect == DIALECT_CALCULIX)
+      weight = force_weights(model%structure%directors(first), model%dialect == DIALECT_CALCULIX, &
+        model%structure%is_constrained(dof, node))
       if (model%rotation_of(node) > 0 .and. model%dialect /= DIALECT_CALCULIX) weight = 0   ! a knot
     end if
     if (last /= first) weight = [0.0_DP]

@@ -4,19 +4,19 @@ module amontons_deck_structure
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer, field_real
   use amontons_card_schema, only: has_parameter, parameter_text
-  use amontons_containers, only: integer_list_type
   use amontons_controls, only: controls_type
   use amontons_deck_beams, only: read_beam_section, pass_integration_points, read_general_material, section_offset, &
     add_middle_nodes, mark_plane_beams, hold_plane_beams
+  use amontons_deck_named_nodes, only: find_turned_nodes, find_constrained_nodes
   use amontons_deck_section_beams, only: is_section_beam, read_section_beam
   use amontons_deck_shell_stiffness, only: read_shell_stiffness
   use amontons_element_drafts, only: element_draft_type
-  use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, report_note, read_real, check_n_fields, &
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
   use amontons_model, only: model_type, free_unknowns, DIALECT_CALCULIX
   use amontons_structural_data, only: director_type, structural_section_type, layer_type, find_node_directors, n_section_layers
-  use amontons_text, only: plural, verb, to_text, parse_integer, NUMBER_OK
+  use amontons_text, only: plural, verb, to_text, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
     KIND_SAX1, KIND_SAX2, KIND_CAX_SHELL, FAMILY_RIGID, is_two_sided, is_structural_family
   implicit none
@@ -347,6 +347,7 @@ contains
       call read_nodal_thickness(reader, n_given, model)
       call read_normals(reader, model)
       call find_turned_nodes(reader, draft, model)
+      call find_constrained_nodes(reader, model)
       call mark_plane_beams(mesh, structure)
       call expand_structure(model, bad_element)
       if (bad_element == 0) call hold_plane_beams(model)
@@ -620,180 +621,6 @@ contains
       end do
     end do
   end subroutine read_normals
-
-
-  !> The nodes at which supports, moments, rigid bodies, couplings or user elements need rotations.
-  subroutine find_turned_nodes(reader, draft, model)
-    type(reader_type), intent(in) :: reader
-    type(element_draft_type), intent(in) :: draft
-    type(model_type), intent(inout) :: model
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    integer :: c
-    integer, allocatable :: nodes(:)
-    logical :: is_follower, turns_all
-    turns_all = any([(is_card(reader, c, 'TRANSFORM'), c=1, reader%cards%n_cards)])
-    do c = 1, reader%cards%n_cards
-      if (turns_all) exit
-      if (.not. is_card(reader, c, 'STEP')) cycle
-      call open_card(reader, c, parameters, row)
-      turns_all = has_parameter(parameters, 'NLGEOM')
-    end do
-    allocate (model%structure%is_turned(model%mesh%n_nodes), model%structure%is_follower(model%mesh%n_nodes), source=.false.)
-    allocate (model%structure%is_driven(3, model%mesh%n_nodes), source=.false.)
-    allocate (model%structure%held_from(6, model%mesh%n_nodes), source=0)
-    associate (is_turned => model%structure%is_turned)
-      do c = 1, reader%cards%n_cards
-        if (is_card(reader, c, 'RIGIDBODY') .or. is_card(reader, c, 'COUPLING') .or. is_card(reader, c, 'KINEMATICCOUPLING')) then
-          call open_card(reader, c, parameters, row)
-          nodes = named_nodes(reader, model, parameter_text(parameters, 'REF NODE'))
-          is_turned(nodes) = .true.
-          model%structure%is_driven(:, nodes) = .true.
-        else if (is_card(reader, c, 'BOUNDARY') .or. is_card(reader, c, 'CLOAD')) then
-          call open_card(reader, c, parameters, row)
-          is_follower = has_parameter(parameters, 'FOLLOWER') .and. model%dialect /= DIALECT_CALCULIX
-          do while (next_row(reader%cards, row))
-            call note_dofs(reader, model, c, row, turns_all)
-            if (is_follower) model%structure%is_follower(named_nodes(reader, model, field_text(reader%cards, row, 1))) = .true.
-          end do
-        end if
-      end do
-      is_turned = is_turned .or. model%structure%is_follower
-      do c = 1, draft%n
-        if (draft%user_kind(c) == 0 .or. draft%mesh_index(c) == 0) cycle
-        nodes = user_rotation_nodes(model, draft%user_kind(c), draft%mesh_index(c))
-        is_turned(nodes) = .true.
-        model%structure%is_driven(:, nodes) = .true.
-      end do
-      call find_rotation_terms(reader, model)
-      do c = 1, size(model%structure%rotation_terms, 2)
-        is_turned(model%structure%rotation_terms(2, c)) = .true.
-      end do
-    end associate
-  end subroutine find_turned_nodes
-
-
-  !> The nodes of a user element, as that of a beam by its section, whose rotations are unknowns of it.
-  pure function user_rotation_nodes(model, kind, element) result(nodes)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: kind                  !< index into the kinds of user elements
-    integer, intent(in) :: element               !< of the mesh
-    integer, allocatable :: nodes(:)
-    associate (unknowns => model%user_elements%kinds(kind))
-      nodes = model%mesh%nodes(model%mesh%first(element) - 1 + pack(unknowns%node, unknowns%dof > 3))
-    end associate
-    nodes = pack(nodes, nodes > 0)
-  end function user_rotation_nodes
-
-
-  !> The rotations that EQUATION cards name. Malformed rows end a card; their errors are reported where equations are read.
-  subroutine find_rotation_terms(reader, model)
-    type(reader_type), intent(in) :: reader
-    type(model_type), intent(inout) :: model
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    type(integer_list_type) :: entries
-    integer :: c, n_equations, n_copies, n_left, status
-    n_equations = 0
-    do c = 1, reader%cards%n_cards
-      if (.not. is_card(reader, c, 'EQUATION')) cycle
-      call open_card(reader, c, parameters, row)
-      if (has_parameter(parameters, 'REMOVE')) cycle
-      status = NUMBER_OK
-      do while (status == NUMBER_OK)
-        if (.not. next_row(reader%cards, row)) exit
-        call field_integer(reader%cards, row, 1, n_left, status)
-        n_copies = 1
-        do while (n_left > 0 .and. status == NUMBER_OK)
-          if (.not. next_row(reader%cards, row)) exit
-          call add_rotation_terms(reader, model, row, n_equations, entries, n_copies, status)
-          n_left = n_left - row%n / 3
-        end do
-        n_equations = n_equations + n_copies
-      end do
-    end do
-    model%structure%rotation_terms = reshape(entries%trimmed(), [3, entries%n / 3])
-  end subroutine find_rotation_terms
-
-
-  !> Adds the rotations of one row of an equation, for each node of a set.
-  subroutine add_rotation_terms(reader, model, row, n_equations, entries, n_copies, status)
-    type(reader_type), intent(in) :: reader
-    type(model_type), intent(in) :: model
-    type(data_row_type), intent(in) :: row
-    integer, intent(in) :: n_equations           !< equations before this one
-    type(integer_list_type), intent(inout) :: entries   !< number of the equation, node, direction; ...
-    integer, intent(inout) :: n_copies           !< equations of this one: the nodes of its largest set so far
-    integer, intent(out) :: status               !< not NUMBER_OK: malformed
-    integer, allocatable :: nodes(:)
-    integer :: i, k, dof
-    status = merge(NUMBER_OK, NUMBER_OK + 1, row%n >= 3)
-    do i = 1, row%n - 2, 3
-      call field_integer(reader%cards, row, i + 1, dof, status)
-      if (status /= NUMBER_OK) return
-      nodes = named_nodes(reader, model, field_text(reader%cards, row, i))
-      n_copies = max(n_copies, size(nodes))
-      if (dof < 4 .or. dof > 6) cycle
-      do k = 1, size(nodes)
-        call entries%add(n_equations + k)
-        call entries%add(nodes(k))
-        call entries%add(dof - 3)
-      end do
-    end do
-  end subroutine add_rotation_terms
-
-
-  !> Marks the nodes of a row of BOUNDARY or CLOAD whose rotations it names, and the degrees of freedom that BOUNDARY prescribes.
-  subroutine note_dofs(reader, model, c, row, turns_all)
-    type(reader_type), intent(in) :: reader
-    type(model_type), intent(inout) :: model
-    integer, intent(in) :: c                     !< index of the card
-    type(data_row_type), intent(in) :: row
-    logical, intent(in) :: turns_all             !< TRANSFORM or NLGEOM: a moment may get parts along all axes of a fibre
-    integer, allocatable :: nodes(:)
-    logical :: is_named(6)
-    integer :: first, last, status, i, k
-    call field_integer(reader%cards, row, 2, first, status)
-    if (status == NUMBER_OK) then
-      last = 0
-      if (is_card(reader, c, 'BOUNDARY')) call field_integer(reader%cards, row, 3, last, status)
-      if (last == 0) last = first
-      is_named = [(k >= first .and. k <= last, k=1, 6)]
-    else
-      is_named = support_dofs(field_text(reader%cards, row, 2))
-    end if
-    nodes = named_nodes(reader, model, field_text(reader%cards, row, 1))
-    if (any(is_named(4:))) model%structure%is_turned(nodes) = .true.
-    if (.not. is_card(reader, c, 'BOUNDARY')) then
-      if (turns_all) is_named(4:) = any(is_named(4:))
-      do i = 1, size(nodes)
-        model%structure%is_driven(:, nodes(i)) = model%structure%is_driven(:, nodes(i)) .or. is_named(4:)
-      end do
-      return
-    end if
-    do i = 1, size(nodes)
-      where (is_named .and. model%structure%held_from(:, nodes(i)) == 0) model%structure%held_from(:, nodes(i)) = &
-        max(1, reader%step_of_card(c))
-    end do
-  end subroutine note_dofs
-
-
-  !> The nodes of a set, or the node of a number; none if the name is unknown.
-  function named_nodes(reader, model, name) result(nodes)
-    type(reader_type), intent(in) :: reader
-    type(model_type), intent(in) :: model
-    character(*), intent(in) :: name
-    integer, allocatable :: nodes(:)
-    integer :: set, label, status
-    nodes = [integer ::]
-    set = reader%node_sets%find(name)
-    call parse_integer(name, label, status)
-    if (set > 0) then
-      nodes = model%mesh%node_sets(set)%members
-    else if (status == NUMBER_OK) then
-      nodes = pack([reader%node_labels%find(label)], [reader%node_labels%find(label) > 0])
-    end if
-  end function named_nodes
 
 
   !> Whether an element of the mesh has the faces of a shell: its solid, a membrane, a rigid edge.

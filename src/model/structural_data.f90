@@ -73,6 +73,7 @@ module amontons_structural_data
     real(DP), allocatable :: given_normal(:, :)      !< (3, size(nodes)) NORMAL, unit vectors; 0: not given
     logical, allocatable :: is_turned(:)         !< (n_nodes) rotations or moments are prescribed there
     logical, allocatable :: is_driven(:, :)      !< (3, n_nodes) a moment, a coupling or a beam turns it about this axis
+    logical, allocatable :: is_constrained(:, :) !< (3, n_nodes) calculix dialect: it is the mean of outer nodes, see mean_weights
     logical, allocatable :: is_follower(:)       !< (n_nodes) a force turns with it, which takes finite rotations
     logical, allocatable :: is_plane(:)          !< (n_nodes) of a beam in the plane or of an axisymmetric shell
     integer, allocatable :: held_from(:, :)      !< (6, n_nodes) first step that prescribes the degree of freedom; 0: none does
@@ -116,15 +117,18 @@ contains
   !!
   !! Shells: by Simpson's rule where the fibre has one middle. Under the abaqus dialect a node off the middle moves as the place of
   !! the fibre or cross-section where it is. Fibres through several layers: the displacement of that place in its layer; where these
-  !! are one solid, as of this solid.
-  pure function mean_weights(director, is_calculix) result(weight)
+  !! are one solid, as of this solid. At nodes that more than supports constrain CalculiX takes the mean of bottom and top.
+  pure function mean_weights(director, is_calculix, is_constrained) result(weight)
     type(director_type), intent(in) :: director
     logical, intent(in) :: is_calculix           !< dialect
+    logical, intent(in) :: is_constrained        !< in this direction, see structure_type
     real(DP) :: weight(size(director%nodes)), s(2)
     s = merge([0.0_DP, 0.0_DP], director%offset, is_calculix)
     weight = 0
     if (director%n_outer == 4) then              ! bilinear in the cross-section
       weight(:4) = (0.5_DP + [-s(1), -s(1), s(1), s(1)]) * (0.5_DP + [s(2), -s(2), -s(2), s(2)])
+    else if (is_constrained) then
+      weight(:2) = 0.5_DP
     else if (director%is_parabolic) then
       weight(:2) = 0.5_DP
       if (middle_node(director) > 0) weight = solid_weights(director, [real(DP) :: 1, 1, 4] / 6)
@@ -242,11 +246,13 @@ contains
 
   !> The shares of the nodes of a director in a force at its node: as in the displacement, but a fibre with one middle takes that of
   !! an edge of a quadratic face under an even traction, as in CalculiX; not that of an axisymmetric shell.
-  pure function force_weights(director, is_calculix) result(weight)
+  pure function force_weights(director, is_calculix, is_constrained) result(weight)
     type(director_type), intent(in) :: director
     logical, intent(in) :: is_calculix           !< dialect
+    logical, intent(in) :: is_constrained        !< in this direction, see structure_type
     real(DP) :: weight(size(director%nodes))
-    weight = mean_weights(director, is_calculix)
+    weight = mean_weights(director, is_calculix, is_constrained)
+    if (is_constrained) return
     if (director%is_parabolic .and. middle_node(director) > 0) weight = solid_weights(director, [-0.5_DP, -0.5_DP, 2.0_DP])
     if (director%n_outer == 4 .or. n_director_layers(director) > 1 .or. size(weight) < 3 .or. director%is_meridional) return
     if (abs(weight(3)) > 0) weight = [-0.5_DP, -0.5_DP, 2.0_DP]

@@ -20,7 +20,7 @@ module amontons_balanced_bodies
   use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state
-  use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list
+  use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list, line_of_nodes
   use amontons_model_check_motion, only: cluster_type, find_free_clusters, rigid_motion
   implicit none
   private
@@ -88,11 +88,12 @@ contains
         place = places_in_cluster(bodies, free(k))
         if (has_contact(model, place)) cycle
         if (.not. are_loads_balanced(model, bodies, free(k), place, i, has_loads)) cycle
+        has_loads = has_loads .or. is_hinge(model, bodies, free(k))
         if (i == 1 .or. any(place(supports%node) > 0)) has_loads = has_loads .or. is_moved(model, place, i)
         call hold_spin(model, place, free(k), i, added)
         if (size(added) == 0) then
           if (.not. has_loads) cycle
-          is_usable = find_usable_nodes(model, place, i)
+          is_usable = find_usable_nodes(model, place, i, is_hinge(model, bodies, free(k)))
           call choose_supports(model, bodies, free(k), place, is_usable, i, added)
         end if
         associate (n => size(free(k)%motions, 2))
@@ -108,6 +109,29 @@ contains
       end do
     end do
   end subroutine find_linear_supports
+
+
+  !> Whether bodies are no more than reference and rotation nodes of rigid bodies whose nodes lie on a line: the rotation about it
+  !! moves nothing else, and needs no loads to be held.
+  pure logical function is_hinge(model, bodies, cluster)
+    type(model_type), intent(in) :: model
+    type(bodies_type), intent(in) :: bodies
+    type(cluster_type), intent(in) :: cluster
+    real(DP), parameter :: TOL_LINE = 1.0e-6_DP    !< distance from the line over its length [-]
+    logical :: is_of_hinge(model%mesh%n_nodes)
+    integer :: i
+    is_hinge = .false.
+    if (.not. allocated(model%nonlinear_mpcs) .or. any(bodies%list(cluster%bodies)%n_elements > 0)) return
+    is_of_hinge = .false.
+    do i = 1, size(model%nonlinear_mpcs)
+      associate (mpc => model%nonlinear_mpcs(i))
+        if (mpc%kind /= MPC_RIGID_BODY .or. mpc%expansion > 0 .or. .not. all(mpc%is_bound)) cycle
+        if (norm2(line_of_nodes(model%mesh%coordinates(:, mpc%node), TOL_LINE)) > 0) is_of_hinge([mpc%reference, &
+          mpc%rotation]) = .true.
+      end associate
+    end do
+    is_hinge = all(is_of_hinge(bodies%list(cluster%bodies)%node))
+  end function is_hinge
 
 
   !> 'node 7 along x, node 7 along y and node 9 along z'.
@@ -341,16 +365,18 @@ contains
   !> The nodes of bodies that may be held: with elements, in global directions, in no support, equation or multi-point constraint.
   !! Equations connect all nodes of shells: of bodies without other nodes those are held whose fibre is in no support and in no
   !! rigid body, which moves all its nodes.
-  function find_usable_nodes(model, place, step) result(is_usable)
+  function find_usable_nodes(model, place, step, has_hinges) result(is_usable)
     type(model_type), intent(in) :: model
     integer, intent(in) :: place(:)                !< (n_nodes) 0: outside the cluster
     integer, intent(in) :: step
+    logical, intent(in) :: has_hinges              !< the bodies are reference and rotation nodes of hinges
     logical :: is_usable(model%mesh%n_nodes)
     logical, allocatable :: is_rigid(:)            ! (n_nodes)
     integer :: i
-    is_usable = place > 0 .and. model%mesh%has_elements .and. .not. model%mesh%is_auxiliary
+    is_usable = place > 0 .and. (has_hinges .or. (model%mesh%has_elements .and. .not. model%mesh%is_auxiliary))
     if (allocated(model%frame_of)) is_usable = is_usable .and. model%frame_of == 0
     is_usable(model%steps(step)%prescribed%node) = .false.
+    if (has_hinges) return
     do i = 1, size(model%equations)
       is_usable(model%equations(i)%node) = .false.
     end do

@@ -20,6 +20,7 @@ module amontons_model_check
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_steps, only: step_type
   use amontons_model, only: model_type, dof_direction, n_nonlinear_mpcs
+  use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type
   use amontons_nonlinear_mpc, only: linearize_mpcs
@@ -29,7 +30,7 @@ module amontons_model_check
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
   use amontons_model_check_bodies, only: report_error, report_warning, counted_noun, label_list, bodies_type, find_bodies, &
-    weigh_bodies, body_name
+    weigh_bodies, body_name, line_of_nodes
   use amontons_model_check_contact, only: check_contact, collect_pair_statistics, pair_statistics_type, is_closed
   use amontons_model_check_motion, only: check_rigid_motions
   use amontons_model_check_unpaired, only: check_unpaired_bodies
@@ -54,6 +55,7 @@ contains
     call check_volumes(model, report)
     call check_materials(model, report)
     call check_equations(model, report)
+    call check_idle_moments(model, report)
     call check_contact(model, contact, slaves, report)
     if (report%n_errors == 0) call check_unpaired_bodies(model, report)   ! a faulty pair may be the one that joins them
     if (n_nonlinear_mpcs(model) > 0) then
@@ -160,6 +162,73 @@ contains
         ', which has no *DENSITY. Give it one.')
     end do
   end subroutine check_materials
+
+
+  !> Moments on a rigid body about the line on which all its nodes lie: they turn nothing, so that they would be lost.
+  subroutine check_idle_moments(model, report)
+    type(model_type), intent(in) :: model
+    type(diagnostic_list_type), intent(inout) :: report
+    real(DP), parameter :: TOL_IDLE = 1.0e-6_DP    !< part of a moment about the line, distance from the line over its length [-]
+    real(DP) :: axis(3)
+    integer :: i, k
+    do i = 1, n_nonlinear_mpcs(model)
+      associate (mpc => model%nonlinear_mpcs(i))
+        if (mpc%kind /= MPC_RIGID_BODY .or. mpc%expansion > 0 .or. .not. all(mpc%is_bound)) cycle
+        axis = line_of_nodes(model%mesh%coordinates(:, [mpc%reference, mpc%node]), TOL_IDLE)
+        if (.not. norm2(axis) > 0 .or. is_turned_elsewhere(model, i)) cycle
+        do k = 1, size(model%steps)
+          if (.not. abs(dot_product(sum_of_forces(model, k, mpc%rotation), axis)) > TOL_IDLE * norm2(sum_of_forces(model, k, &
+            mpc%rotation))) cycle
+          call report_error(report, 'In step ' // to_text(k) // ' a moment on the node ' // &
+            to_text(model%mesh%node_label(mpc%reference)) // ' acts about the line on which all nodes of its *' // mpc%card // &
+            ' (line ' // to_text(mpc%line) // ') lie: it turns nothing. Hold this rotation, or bind a node beside the ' // &
+            'line, or at shells and beams their rotations (TIE NSET).')
+          return
+        end do
+      end associate
+    end do
+  end subroutine check_idle_moments
+
+
+  !> Whether other constraints than the nonlinear MPC i, or shells and beams, contain its rotation node.
+  pure logical function is_turned_elsewhere(model, i) result(is_turned)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: i                       !< a rigid body
+    integer :: k
+    associate (node => model%nonlinear_mpcs(i)%rotation)
+      is_turned = any(model%mesh%nodes == node)
+      if (allocated(model%user_elements)) then
+        do k = 1, size(model%user_elements%elements)
+          is_turned = is_turned .or. any(model%user_elements%elements(k)%nodes == node)
+        end do
+      end if
+      do k = 1, size(model%equations)
+        is_turned = is_turned .or. any(model%equations(k)%node == node)
+      end do
+      do k = 1, n_nonlinear_mpcs(model)
+        if (k == i) cycle
+        associate (other => model%nonlinear_mpcs(k))
+          is_turned = is_turned .or. other%rotation == node .or. other%reference == node .or. any(other%node == node)
+        end associate
+      end do
+    end associate
+  end function is_turned_elsewhere
+
+
+  !> The sum of the concentrated forces on a node at the end of a step; 0 if its displacement is prescribed.
+  pure function sum_of_forces(model, step, node) result(force)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: step, node
+    real(DP) :: force(3)
+    integer :: i
+    force = 0
+    associate (forces => model%steps(step)%concentrated)
+      if (any(model%steps(step)%prescribed%node == node)) return
+      do i = 1, size(forces)
+        if (forces(i)%node == node) force = force + forces(i)%end * dof_direction(model, node, forces(i)%dof)
+      end do
+    end associate
+  end function sum_of_forces
 
 
   !> Warns of nodes without elements and equations that have loads or supports: these have no effect.

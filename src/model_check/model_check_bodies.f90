@@ -2,6 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_model_check_bodies
   use amontons_kinds, only: DP
+  use amontons_tensor, only: cross_product
   use amontons_text, only: to_text, plural
   use amontons_element, only: evaluate_element_volume
   use amontons_model, only: model_type, is_out, absent_elements, material_in_step
@@ -11,6 +12,7 @@ module amontons_model_check_bodies
   implicit none
   private
   public :: body_type, bodies_type, find_bodies, weigh_bodies, mean_element_sizes, body_name
+  public :: line_of_nodes
   public :: report_error, report_warning, label_list, step_list, join_item, counted_noun
 
   !> Elements connected by their nodes, or one node without elements that occurs in an equation.
@@ -259,5 +261,24 @@ contains
       text = to_text(size(labels)) // ' ' // noun // 's (' // label_list(labels) // ') ' // plural
     end if
   end function counted_noun
+
+
+  !> The direction of the line on which points lie: a unit vector; 0: they lie on none, or all at the first.
+  pure function line_of_nodes(points, tolerance) result(axis)
+    real(DP), intent(in) :: points(:, :)           !< (3, n) [length]
+    real(DP), intent(in) :: tolerance              !< distance from the line over the largest distance from the first [-]
+    real(DP) :: axis(3), longest
+    integer :: i
+    longest = 0
+    axis = 0
+    do i = 2, size(points, 2)
+      if (.not. norm2(points(:, i) - points(:, 1)) > longest) cycle
+      longest = norm2(points(:, i) - points(:, 1))
+      axis = (points(:, i) - points(:, 1)) / longest
+    end do
+    do i = 2, size(points, 2)
+      if (norm2(cross_product(axis, points(:, i) - points(:, 1))) > tolerance * longest) axis = 0
+    end do
+  end function line_of_nodes
 
 end module amontons_model_check_bodies

@@ -72,7 +72,7 @@ contains
     type(model_type), intent(in) :: model
     type(bodies_type), intent(in) :: bodies
     integer, intent(in) :: step                    !< its number
-    type(cluster_type), allocatable, intent(out) :: free(:)   !< the first body of each moves and has elements
+    type(cluster_type), allocatable, intent(out) :: free(:)   !< the first body of each moves and has elements if one has
     type(bases_type) :: bases
     type(rows_type) :: rows
     type(cluster_type), allocatable :: clusters(:)
@@ -93,6 +93,7 @@ contains
           if (bodies%list(members(k))%n_elements > 0 .and. maxval(abs(motions(6 * k - 5:6 * k, :))) > &
             MIN_MOTION_PART * maxval(abs(motions))) first = k
         end do
+        if (all(bodies%list(members)%n_elements == 0)) first = 1
         if (first == 0) cycle
         is_free(i) = .not. may_be_held_later(model, step, motions(6 * first - 5:6 * first, :))
         if (.not. is_free(i) .or. first == 1) cycle

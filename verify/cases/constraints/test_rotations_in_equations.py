@@ -85,7 +85,7 @@ def test_beams_turn_alike(run_deck: Run, tmp_path: Path, kind: str, dialect: str
 def test_rotations_of_rigid_bodies(run_deck: Run, tmp_path: Path, dialect: str) -> None:
     """A strip whose clamp is a rigid body turned by 0.01 through an equation moves rigidly; the body at the tip weighs nothing."""
     cards = TWO + "*NODE, NSET=ALL\n50, 0., 1., 0.\n51, 100., 0., 0.\n*NSET, NSET=HEAD\n11, 12, 13\n*NSET, NSET=OWN\n1, 2, 3\n" \
-        "*RIGID BODY, NSET=OWN, REF NODE=50\n*RIGID BODY, NSET=HEAD, REF NODE=51\n*EQUATION\n2\n50, 5, 1., 51, 5, -2.\n"
+        "*RIGID BODY, TIE NSET=OWN, REF NODE=50\n*RIGID BODY, TIE NSET=HEAD, REF NODE=51\n*EQUATION\n2\n50, 5, 1., 51, 5, -2.\n"
     loads = "*BOUNDARY\n50, 1, 4\n50, 6\n51, 1, 4\n51, 6\n51, 5, 5, .005\n"
     rows = solved(run_deck, tmp_path, job(dialect, cards, loads))
     assert rows[7][2] == pytest.approx(-0.01 * L, rel=EXACT)
@@ -97,7 +97,7 @@ def test_finite_rotation(run_deck: Run, tmp_path: Path) -> None:
     nodes = "".join(f"{2 * i + j + 1}, {i * L / n}, {j * 1.0}, 0.\n" for i in range(n + 1) for j in (0, 1))
     elements = "".join(f"{i + 1}, {2 * i + 1}, {2 * i + 3}, {2 * i + 4}, {2 * i + 2}\n" for i in range(n))
     cards = (f"*NODE, NSET=ALL\n{nodes}90, 0., 9., 0.\n91, 0., 9., 1.\n*ELEMENT, TYPE=S4, ELSET=E\n{elements}{MATERIAL}*NSET, NSET=TIP\n"
-             "21, 22\n*NSET, NSET=BODY\n91,\n*RIGID BODY, NSET=BODY, REF NODE=90\n*EQUATION\n2\nTIP, 5, 1., 90, 5, 1.\n")
+             "21, 22\n*NSET, NSET=BODY\n91,\n*RIGID BODY, TIE NSET=BODY, REF NODE=90\n*EQUATION\n2\nTIP, 5, 1., 90, 5, 1.\n")
     loads = "*BOUNDARY\n1, 1, 6\n2, 1, 6\n90, 1, 4\n90, 6\n90, 5, 5, 1.\n"
     rows = solved(run_deck, tmp_path, job("abaqus", cards, loads, "*STEP, NLGEOM\n*STATIC\n0.1, 1., , 0.1\n"))
     for node in (21, 22):
@@ -140,7 +140,7 @@ def test_removed_in_a_step(run_deck: Run, tmp_path: Path, dialect: str) -> None:
 
 
 @pytest.mark.parametrize("dialect", DIALECTS)
-@pytest.mark.parametrize("body", ["", "*NSET, NSET=TIP2\n16, 17, 18\n*RIGID BODY, NSET=TIP2, REF NODE=90\n"])
+@pytest.mark.parametrize("body", ["", "*NSET, NSET=TIP2\n16, 17, 18\n*RIGID BODY, TIE NSET=TIP2, REF NODE=90\n"])
 def test_local_directions(run_deck: Run, tmp_path: Path, dialect: str, body: str) -> None:
     """With local x along global y the rotation 4 is that about y, at nodes of shells and at a reference node, for supports too."""
     cards = f"{TWO}*NODE, NSET=ALL\n90, {L}, 22., 0.\n{body}*NSET, NSET=LOCAL\n90, OTHER\n*TRANSFORM, NSET=LOCAL\n0., 1., 0., -1., 0., 0.\n"

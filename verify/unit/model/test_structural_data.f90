@@ -19,26 +19,30 @@ contains
     real(DP), parameter :: PLACES(2, 4) = 0.5_DP * reshape([real(DP) :: -1, 1, -1, -1, 1, -1, 1, 1], [2, 4])
     director = director_type(node=1, n_outer=2, nodes=[2, 3], offset=[0.25_DP, 0.0_DP])
     allocate (director%height(0:1), source=[-0.5_DP, 0.5_DP])
-    call suite%near('fibre', maxval(abs(mean_weights(director, .false.) - [0.25_DP, 0.75_DP])), 0.0_DP, 1.0e-15_DP)
-    call suite%near('calculix: the mean', sum(abs(mean_weights(director, .true.) - [0.5_DP, 0.5_DP])), 0.0_DP, 1.0e-15_DP)
+    call suite%near('fibre', maxval(abs(mean_weights(director, .false., .false.) - [0.25_DP, 0.75_DP])), 0.0_DP, 1.0e-15_DP)
+    call suite%near('calculix: the mean', sum(abs(mean_weights(director, .true., .false.) - [0.5_DP, 0.5_DP])), 0.0_DP, 1.0e-15_DP)
     director%nodes = [2, 3, 4]
     director%offset = 0
-    call suite%near('Simpson', sum(mean_weights(director, .false.) * [real(DP) :: 0, 0, 1]), 2.0_DP / 3, 1.0e-15_DP)
-    call suite%near('sum', sum(mean_weights(director, .false.)), 1.0_DP, 1.0e-15_DP)
-    call suite%near('shares of a force', sum(abs(force_weights(director, .false.))), 3.0_DP, 1.0e-15_DP)
-    call suite%near('all of it', sum(force_weights(director, .false.)), 1.0_DP, 1.0e-15_DP)
+    call suite%near('Simpson', sum(mean_weights(director, .false., .false.) * [real(DP) :: 0, 0, 1]), 2.0_DP / 3, 1.0e-15_DP)
+    call suite%near('sum', sum(mean_weights(director, .false., .false.)), 1.0_DP, 1.0e-15_DP)
+    call suite%near('constrained: bottom and top', sum(abs(mean_weights(director, .true., .true.) - [0.5_DP, 0.5_DP, 0.0_DP])), &
+      0.0_DP, 1.0e-15_DP)
+    call suite%near('its force', sum(abs(force_weights(director, .true., .true.) - [0.5_DP, 0.5_DP, 0.0_DP])), 0.0_DP, 1.0e-15_DP)
+    call suite%near('shares of a force', sum(abs(force_weights(director, .false., .false.))), 3.0_DP, 1.0e-15_DP)
+    call suite%near('all of it', sum(force_weights(director, .false., .false.)), 1.0_DP, 1.0e-15_DP)
     deallocate (director%height)
     allocate (director%height(0:3), source=[-0.5_DP, -0.25_DP, 0.25_DP, 0.5_DP])
     director%nodes = [2, 3, 4, 5]
     director%offset = [0.375_DP, 0.0_DP]
-    call suite%near('layers', sum(abs(mean_weights(director, .false.) - [0.0_DP, 0.5_DP, 0.0_DP, 0.5_DP])), 0.0_DP, 1.0e-15_DP)
-    director%offset = [-0.75_DP, 0.0_DP]
-    call suite%near('beyond them', sum(abs(mean_weights(director, .false.) - [2.0_DP, 0.0_DP, -1.0_DP, 0.0_DP])), 0.0_DP, &
+    call suite%near('layers', sum(abs(mean_weights(director, .false., .false.) - [0.0_DP, 0.5_DP, 0.0_DP, 0.5_DP])), 0.0_DP, &
       1.0e-15_DP)
-    call suite%near('their force', sum(force_weights(director, .false.)), 1.0_DP, 1.0e-15_DP)
+    director%offset = [-0.75_DP, 0.0_DP]
+    call suite%near('beyond them', sum(abs(mean_weights(director, .false., .false.) - [2.0_DP, 0.0_DP, -1.0_DP, 0.0_DP])), 0.0_DP, &
+      1.0e-15_DP)
+    call suite%near('their force', sum(force_weights(director, .false., .false.)), 1.0_DP, 1.0e-15_DP)
     director%n_outer = 4
     director%offset = [0.3_DP, -0.2_DP]
-    associate (weight => mean_weights(director, .false.))
+    associate (weight => mean_weights(director, .false., .false.))
       call suite%near('cross-section', norm2(matmul(PLACES, weight(:4)) - director%offset), 0.0_DP, 1.0e-15_DP)
     end associate
   end subroutine check_weights
