@@ -58,18 +58,24 @@ uses_user_elements = kinds
 uses_model = kinds containers embeddings loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data submodels user_elements
 
 # materials
-uses_deviatoric_section = kinds scalar_root
-uses_plasticity = kinds scalar_root materials
-uses_drucker_prager = kinds scalar_root materials plasticity
 uses_logarithmic_strain = kinds tensor
 uses_elasticity = kinds tensor materials logarithmic_strain
+uses_corotational_elasticity = kinds tensor elasticity
+uses_plasticity = kinds scalar_root materials
+uses_crystal_plasticity = kinds materials logarithmic_strain plasticity
+uses_deviatoric_section = kinds scalar_root
+uses_drucker_prager = kinds scalar_root materials plasticity
+uses_drucker_prager_cap = kinds scalar_root materials plasticity
 uses_hyperelasticity = kinds materials logarithmic_strain
 uses_invariant_elasticity = kinds tensor materials logarithmic_strain elasticity
 uses_one_sided_elasticity = kinds materials logarithmic_strain hyperelasticity
-uses_lode_angle_return = kinds scalar_root materials deviatoric_section plasticity drucker_prager
+uses_linear_viscoplasticity = kinds scalar_root tensor plasticity crystal_plasticity
+uses_viscoelasticity = kinds tensor logarithmic_strain elasticity
+uses_lode_angle_return = kinds scalar_root materials plasticity deviatoric_section drucker_prager
 uses_user_material = kinds errors tensor user_routines materials logarithmic_strain
-uses_material_point = kinds tensor materials plasticity drucker_prager logarithmic_strain elasticity hyperelasticity invariant_elasticity one_sided_elasticity lode_angle_return user_material
+uses_material_point = kinds tensor materials logarithmic_strain elasticity corotational_elasticity plasticity crystal_plasticity drucker_prager drucker_prager_cap hyperelasticity invariant_elasticity one_sided_elasticity linear_viscoplasticity viscoelasticity lode_angle_return user_material
 uses_element_integration_points = kinds tensor element_kinds materials user_material material_point
+uses_material_axes = kinds tensor materials
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
 # elements
@@ -85,7 +91,7 @@ uses_solid_shell = kinds tensor element_kinds materials logarithmic_strain elast
 uses_solid_elements = kinds tensor element_kinds materials logarithmic_strain elasticity material_point element_integration_points zero_stress_condition beam_rules shape_functions hourglass incompatible_modes solid_shell
 uses_element = kinds tensor element_kinds materials element_integration_points shape_functions truss_spring_mass membrane_elements plane_elements solid_elements
 uses_solid_simd = kinds element_kinds materials elasticity shape_functions
-uses_plastic_solid_simd = kinds tensor element_kinds materials plasticity logarithmic_strain material_point solid_simd
+uses_plastic_solid_simd = kinds tensor element_kinds materials logarithmic_strain plasticity material_point solid_simd
 uses_section_beams = kinds tensor user_elements
 
 # expansion
@@ -110,8 +116,11 @@ uses_deck_user_elements = kinds text containers element_kinds mesh steps user_el
 uses_deck_mesh = kinds text containers element_kinds materials mesh user_elements model cards card_schema element_drafts deck_labels deck_reader deck_user_elements
 uses_deck_submodel = kinds text containers structural_data submodels model cards card_schema deck_reader
 uses_deck_property_tables = kinds text materials model cards card_schema deck_reader
+uses_deck_cap = kinds text materials drucker_prager_cap deck_reader deck_property_tables
 uses_deck_elasticity = kinds text materials invariant_elasticity cards card_schema deck_reader deck_property_tables
-uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables deck_elasticity
+uses_deck_named_laws = kinds text materials model crystal_plasticity linear_viscoplasticity cards card_schema deck_reader deck_property_tables deck_elasticity
+uses_deck_viscoelasticity = kinds materials viscoelasticity cards card_schema deck_reader
+uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables deck_cap deck_elasticity deck_named_laws deck_viscoelasticity
 uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
 uses_deck_named_nodes = text containers element_kinds model cards card_schema element_drafts deck_reader
 uses_deck_section_beams = kinds text element_kinds materials user_elements model beam_cross_sections section_beams cards card_schema element_drafts deck_reader deck_user_elements deck_beams
@@ -173,7 +182,7 @@ uses_mortar = kinds containers errors element_kinds mesh facets facet_search con
 uses_mortar_linearization = kinds element_kinds facets contact_constraint_rows mortar_segmentation segment_derivatives mortar
 
 # state
-uses_state = kinds tensor element_kinds materials mesh steps user_elements model logarithmic_strain material_point shape_functions friction_slip_scenarios slave_node_overrides
+uses_state = kinds tensor element_kinds materials mesh steps user_elements model logarithmic_strain material_point material_axes shape_functions friction_slip_scenarios slave_node_overrides
 uses_model_change = kinds materials mesh model state
 uses_user_state = kinds errors tensor element_kinds loads user_routines materials mesh model element_integration_points shape_functions element state
 
@@ -262,7 +271,7 @@ uses_hdf5_file = kinds errors posix
 uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_preconditioner equilibrium newton increment_control hdf5_file
 uses_postprocess = kinds tensor element_kinds materials mesh surfaces structural_data model material_point beam_rules shape_functions element dual_shape_functions state
 uses_dat_contact_output = kinds text tensor element_kinds steps model state postprocess
-uses_section_forces = kinds tensor element_kinds materials mesh structural_data model material_point shape_functions element state
+uses_section_forces = kinds tensor element_kinds materials mesh structural_data model material_axes shape_functions element state
 uses_dat_output = kinds text tensor element_kinds materials mesh steps model beam_rules state postprocess dat_contact_output section_forces
 uses_frd_input = kinds text containers errors element_kinds
 uses_virtual_data_sets = kinds errors hdf5_file

@@ -8,7 +8,7 @@ module amontons_assembly
   use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
     KIND_GAPUNI, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
-  use amontons_materials, only: MAX_HISTORY
+  use amontons_materials, only: material_type, MAX_HISTORY
   use amontons_model, only: model_type, is_out, material_in_step, has_unsymmetric_elements
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
@@ -303,6 +303,8 @@ contains
         return
       end if
       call store_points(model%mesh, e, merge(0, min(MAX_HISTORY, material%n_history), material%is_user), points, fields)
+      if (allocated(points%inner) .and. points%is_output_wanted) fields%history(material%inner_first:material%inner_first + &
+        material%n_inner - 1, model%mesh%point_first(e):model%mesh%point_first(e + 1) - 1) = points%inner
       if (material%n_history > 0 .and. size(fields%modes, 2) > 0) fields%modes(:, e) = points%modes
       if (material%is_user) call store_umat_points(model, e, points, fields)
       do a = 1, n
@@ -394,6 +396,7 @@ contains
     points%history_old = 0.0_DP
     points%history_old(:k, :m) = state%old%history(:k, p:p + m - 1)
     if (k > 0 .and. size(state%old%modes, 2) > 0) points%modes_old = state%old%modes(:, e)
+    call load_inner_history(model%materials(element_material(model, state%new%step, e)), state, p, m, points)
     points%temperature(:n) = state%new%temperature(nodes(:n))
     points%initial_temperature(:n) = 0.0_DP
     if (allocated(model%initial_temperature)) points%initial_temperature(:n) = model%initial_temperature(nodes(:n))
@@ -406,9 +409,26 @@ contains
     call load_user_fields(model, state, e, points)
     points%time = state%new%total_time
     points%time_increment = state%new%creep_time - state%old%creep_time
+    if (allocated(model%materials(element_material(model, state%new%step, e))%prony) .and. model%steps(max(1, &
+      state%new%step))%is_long_term) points%time_increment = huge(points%time_increment)
     points%has_frame = allocated(state%new%frame)
     if (points%has_frame) points%frame(:, :, :m) = state%new%frame(:, :, p:p + m - 1)
   end subroutine load_points
+
+
+  !> The history of a law that has more of it, and the times that it counts.
+  pure subroutine load_inner_history(material, state, first, m, points)
+    type(material_type), intent(in) :: material
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: first, m                !< first point and number of points of the element
+    type(integration_points_type), intent(inout) :: points
+    if (allocated(points%inner_old)) deallocate (points%inner_old, points%inner)
+    points%elapsed_time = state%new%total_time - state%old%total_time
+    if (material%n_inner == 0) return
+    allocate (points%inner_old(material%n_inner, m), source=state%old%history(material%inner_first:material%inner_first + &
+      material%n_inner - 1, first:first + m - 1))
+    points%inner = points%inner_old
+  end subroutine load_inner_history
 
 
   !> The law of a spring, and the temperatures of its nodes.

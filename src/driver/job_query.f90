@@ -450,7 +450,7 @@ contains
         table = reshape(history_variable(new, HISTORY_PEEQ), [1, mesh%n_points])
       case ('SDV')
         is_known = size(new%history, 1) >= USER_STATE .and. any(analysis%model%materials%n_statev > 0)
-        if (is_known) table = new%history(USER_STATE:, :)
+        if (is_known) table = new%history(USER_STATE:USER_STATE + maxval(analysis%model%materials%n_statev) - 1, :)
       case default
         is_known = .false.
       end select

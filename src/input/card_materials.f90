@@ -53,7 +53,8 @@ contains
     call table%option('TYPE', VALUE_WORD, 'Kind of elasticity.', allowed='ISOTROPIC|ISO|ORTHO|ORTHOTROPIC|' // &
       'ENGINEERING CONSTANTS|LAMINA|ANISO|ANISOTROPIC', default='ISOTROPIC')
     call table%reject_words('TRACTION|COUPLED TRACTION|SHEAR', 'Only the elasticity of solids and laminae is.')
-    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
+    call table%option('MODULI', VALUE_WORD, 'With VISCOELASTIC: which moduli the constants are.', allowed= &
+      'LONG TERM|INSTANTANEOUS', default='LONG TERM')
     call describe_field_variables(table)
   end subroutine describe_elastic
 
@@ -92,6 +93,22 @@ contains
     call table%card('CYCLIC HARDENING', SCOPE_MODEL, 'Size of the yield surface of PLASTIC, HARDENING=COMBINED.', &
       parent='MATERIAL', data='yield stress, equivalent plastic strain (the first 0), temperature')
     call table%option('PARAMETERS|USER|PROPERTIES', VALUE_TEXT, 'Give a table.', status=ENTRY_REJECTED)
+    call describe_field_variables(table)
+    call table%card('VISCOELASTIC', SCOPE_MODEL, 'Relaxation of isotropic ELASTIC or of HYPERELASTIC in VISCO steps: the ' // &
+      'moduli are G0 (1 - sum g (1 - exp(-t/tau))) and K0 (1 - sum k (1 - exp(-t/tau))). In STATIC steps nothing relaxes, ' // &
+      'with LONG TERM all does.', parent='MATERIAL', data='g, k, tau; a line for each term')
+    call table%option('TIME', VALUE_WORD, 'How the moduli are given.', allowed='PRONY', default='required')
+    call table%reject_words('CREEP TEST DATA|RELAXATION TEST DATA|FREQUENCY DATA', 'Give g, k and tau of a Prony series.')
+    call table%option('TYPE', VALUE_WORD, 'Kind of viscoelasticity.', allowed='ISOTROPIC', default='ISOTROPIC')
+    call table%reject_words('TRACTION', 'Only solids relax.')
+    call table%option('ERRTOL|NMAX', VALUE_TEXT, 'They count for test data.', status=ENTRY_IGNORED)
+    call table%option('FREQUENCY|PRELOAD|NONLINEAR', VALUE_TEXT, 'Give TIME=PRONY.', status=ENTRY_REJECTED)
+    call table%card('CAP PLASTICITY', SCOPE_MODEL, 'Soil that fails in shear and is compacted: Drucker and Prager''s line ' // &
+      'with a cap; with CAP HARDENING.', parent='MATERIAL', data='cohesion d, friction angle beta in degrees, R, initial ' // &
+      'volumetric plastic strain, alpha, K (1, 0 or blank), temperature')
+    call describe_field_variables(table)
+    call table%card('CAP HARDENING', SCOPE_MODEL, 'Yield stress of CAP PLASTICITY in isotropic compression.', parent='MATERIAL', &
+      data='yield stress, volumetric plastic strain as a positive number (the first 0), temperature')
     call describe_field_variables(table)
     call table%card('DEFORMATION PLASTICITY', SCOPE_MODEL, 'Ramberg and Osgood''s law, in place of ELASTIC: E e = s + ' // &
       'a s (s/s0)^(n-1).', parent='MATERIAL', data='E, nu, s0, n, a, temperature')
@@ -147,8 +164,8 @@ contains
     call table%card('USER MATERIAL', SCOPE_MODEL, 'The stress by a routine UMAT of the user, with the arguments of Abaqus, ' // &
       'in place of ELASTIC: amontons job user=file. NTENS is 6 in space, 4 in plane strain and around an axis, 3 in plane ' // &
       'stress, 1 in trusses. Calculix dialect: names that begin with TENSION_ONLY, COMPRESSION_ONLY (E and the largest stress ' // &
-      'of the other side), CIARLET_EL, LIN_ISO_EL (E and nu) or ELASTIC_FIBER (C1, D1; a1, a2, k1, k2 of each fibre) need no ' // &
-      'routine.', &
+      'of the other side), CIARLET_EL, LIN_ISO_EL (E and nu), ELASTIC_FIBER (C1, D1; a1, a2, k1, k2 of each fibre), ' // &
+      'SINGLE_CRYSTAL, SINGLE_CRYSTAL_CREEP, ANISO_PLAS, ANISO_CREEP, LIN_EL_COROT or UNDO_NLGEOM_LIN need no routine.', &
       parent='MATERIAL', data='the constants, in lines of eight')
     call table%option('CONSTANTS', VALUE_INTEGER, 'Number of constants (NPROPS).', default='required')
     call table%option('LIBRARY', VALUE_TEXT, 'File that holds the routine, Fortran or a shared library, beside the deck; it ' // &
@@ -182,7 +199,8 @@ contains
       'Kind of rubber.', default='POLYNOMIAL')
     call table%option('N', VALUE_INTEGER, 'Order: POLYNOMIAL 1 to 3, OGDEN and REDUCED POLYNOMIAL 1 to 6.', default='1')
     call table%add_dialect_note('It turns NLGEOM on for all steps under calculix.')
-    call table%option('MODULI', VALUE_TEXT, 'Without viscoelasticity both moduli are the same.', status=ENTRY_IGNORED)
+    call table%option('MODULI', VALUE_WORD, 'With VISCOELASTIC: which moduli the constants are.', allowed= &
+      'LONG TERM|INSTANTANEOUS', default='LONG TERM')
     call table%option('MARLOW|VAN DER WAALS|USER|ANISOTROPIC|VALANIS-LANDEL', VALUE_TEXT, 'Use one of the others.', &
       status=ENTRY_REJECTED)
     call table%option('TEST DATA INPUT|BETA|POISSON|PROPERTIES|TYPE', VALUE_TEXT, 'Give the constants.', &

@@ -635,8 +635,8 @@ contains
     call table%option('ALLSDTOL', VALUE_TEXT, 'The factor is constant in the step; history/damped_work has the dissipated ' // &
       'work.', status=ENTRY_IGNORED)
     call table%add_dialect_note('STABILIZE is ignored under calculix, which does not have it.')
-    call table%option('LONG TERM|ADIABATIC', VALUE_TEXT, 'Only viscoelasticity and heat use it, which are refused.', &
-      status=ENTRY_IGNORED)
+    call table%option('LONG TERM', VALUE_NONE, 'STATIC: viscoelastic materials are relaxed.', default='they respond at once')
+    call table%option('ADIABATIC', VALUE_TEXT, 'Only heat uses it, which is refused.', status=ENTRY_IGNORED)
     call table%option('RIKS', VALUE_NONE, 'The loads of the step follow the path of equilibria past limit points, by the ' // &
       'arc-length method; the last step of the deck.')
     call table%option('FULLY PLASTIC', VALUE_TEXT, 'Choose the length of the step instead.', status=ENTRY_REJECTED)
@@ -803,7 +803,7 @@ contains
   !> Materials, temperatures and directions that are not supported.
   subroutine describe_rejected_materials(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(ENTRY_REJECTED, 'VISCOELASTIC|HYPOELASTIC|DRUCKER PRAGER CREEP|CAP PLASTICITY|CAP HARDENING|' // &
+    call table%cards_with(ENTRY_REJECTED, 'HYPOELASTIC|DRUCKER PRAGER CREEP|CAP CREEP|' // &
       'CLAY PLASTICITY|CLAY HARDENING|' // &
       'CRUSHABLE FOAM|CRUSHABLE FOAM HARDENING|CONCRETE|CONCRETE DAMAGED PLASTICITY|CONCRETE COMPRESSION ' // &
       'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
@@ -814,6 +814,8 @@ contains
       'VISCOUS|UNIAXIAL TEST DATA|BIAXIAL TEST DATA|PLANAR TEST DATA|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
       'Give the material with *ELASTIC, *PLASTIC, *DRUCKER PRAGER, *MOHR COULOMB, *CREEP, *HYPERELASTIC or *HYPERFOAM, or by ' // &
       'a routine UMAT (*USER MATERIAL).')
+    call table%cards_with(ENTRY_REJECTED, 'TRS', 'Relaxation times that depend on the temperature are not supported: give ' // &
+      'those of the temperature of the job in *VISCOELASTIC.')
     call table%cards_with(ENTRY_REJECTED, 'TENSION CUTOFF', 'Give the law by a routine UMAT (*USER MATERIAL), whose DDSDDE ' // &
       'need not be symmetric.')
     call table%cards_with(ENTRY_REJECTED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &

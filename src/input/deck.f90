@@ -39,7 +39,7 @@ module amontons_deck
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
   use amontons_text, only: is_one_of, name_key, plural, parse_integer, NUMBER_OK
-  use amontons_materials, only: material_type, is_linear_elastic, CREEP_NONE
+  use amontons_materials, only: material_type, is_linear_elastic, CREEP_NONE, INELASTIC_NONE
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   implicit none
   private
@@ -478,8 +478,8 @@ contains
   pure logical function has_linear_law(material)
     type(material_type), intent(in) :: material
     has_linear_law = .not. (allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening) &
-      .or. material%is_user .or. &
-      material%has_deformation_plasticity .or. material%creep_law /= CREEP_NONE .or. &
+      .or. material%is_user .or. material%inelastic_law /= INELASTIC_NONE .or. material%is_corotational .or. allocated( &
+      material%prony) .or. material%has_deformation_plasticity .or. material%creep_law /= CREEP_NONE .or. &
       .not. is_linear_elastic(material))
   end function has_linear_law
 

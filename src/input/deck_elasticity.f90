@@ -12,7 +12,7 @@ module amontons_deck_elasticity
   use amontons_text, only: upper_case, to_text, parse_integer, NUMBER_OK
   implicit none
   private
-  public :: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
+  public :: read_elastic, read_law_by_name, is_law_by_name, check_isotropic, check_definite
 
   !> Names of materials begin with these words (calculix dialect).
   character(16), parameter :: LAW_NAMES(5) = [character(16) :: 'TENSION_ONLY', 'COMPRESSION_ONLY', 'CIARLET_EL', 'ELASTIC_FIBER', &

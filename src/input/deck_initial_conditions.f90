@@ -13,7 +13,7 @@ module amontons_deck_initial_conditions
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
     HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, is_one_sided, &
-    is_law_of_invariants, law_name
+    is_law_of_invariants, law_name, INELASTIC_NONE
   use amontons_model, only: model_type, with_pretension_copies, DIALECT_CALCULIX
   use amontons_structural_data, only: n_section_layers
   use amontons_text, only: to_text, name_key, parse_integer, NUMBER_OK, NUMBER_EMPTY
@@ -472,6 +472,8 @@ contains
       do i = 1, size(elements)
         if (model%mesh%material(elements(i)) > 0) n = max(n, model%materials(model%mesh%material(elements(i)))%n_statev)
       end do
+      if (any(model%materials%inelastic_law /= INELASTIC_NONE)) call report_error(reader, row%line, 'Laws by the name of the ' // &
+        'material start from rest: TYPE=SOLUTION is for UMAT and USDFLD.')
       if (n == 0) call report_error(reader, row%line, 'The material of these elements has no *DEPVAR: there are no STATEV to set.')
       allocate (values(n), source=0.0_DP)
       first = 2
@@ -595,7 +597,8 @@ contains
       end if
       if (model%mesh%material(elements(i)) > 0) then
         associate (material => model%materials(model%mesh%material(elements(i))))
-          if ((is_one_sided(material) .or. is_law_of_invariants(material)) .and. what /= 'HARDENING') then
+          if ((is_one_sided(material) .or. is_law_of_invariants(material) .or. material%is_corotational) .and. what /= &
+            'HARDENING') then
             call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // &
               ' has the law ''' // trim(law_name(material)) // '''; it can have no initial stress and no plastic strain.')
             return

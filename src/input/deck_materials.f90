@@ -4,14 +4,17 @@ module amontons_deck_materials
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
+  use amontons_deck_cap, only: read_cap, read_cap_hardening, is_cap_complete
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
+  use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history
   use amontons_deck_property_tables, only: read_table, read_curves
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name
+  use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, is_linear_elastic, &
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
     CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
-    CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, &
+    CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, INELASTIC_NONE, INELASTIC_CRYSTAL, &
     HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_user_routines, only: USER_NAME_LENGTH
@@ -90,6 +93,12 @@ contains
       call read_cone(reader, c, material)
     case ('DRUCKERPRAGERHARDENING')
       call read_cone_hardening(reader, c, material)
+    case ('CAPPLASTICITY')
+      call read_cap(reader, c, material)
+    case ('CAPHARDENING')
+      call read_cap_hardening(reader, c, material)
+    case ('VISCOELASTIC')
+      call read_viscoelastic(reader, c, material)
     case ('MOHRCOULOMB')
       call read_pyramid(reader, c, material)
     case ('MOHRCOULOMBHARDENING')
@@ -204,7 +213,9 @@ contains
     logical :: has_yield, is_nonlinear
     who = 'The material ''' // material%name // ''' '
     if (.not. (material%has_elastic .or. material%is_user)) call report_error(reader, line, who // 'has no *ELASTIC card.')
-    if (material%n_statev > 0 .and. .not. (material%is_user .or. material%is_user_field)) call report_error(reader, line, who // &
+    call set_inner_history(reader, line, material)
+    if (material%n_statev > 0 .and. .not. (material%is_user .or. material%is_user_field .or. material%inelastic_law /= &
+      INELASTIC_NONE)) call report_error(reader, line, who // &
       'has *DEPVAR but no *USER MATERIAL or *USER DEFINED FIELD.')
     if (material%is_user .and. material%is_user_field) call report_error(reader, line, who // 'has *USER DEFINED FIELD beside ' // &
       '*USER MATERIAL. UMAT has what USDFLD would give it: compute the field variables there.')
@@ -213,10 +224,15 @@ contains
       'has *USER MATERIAL beside laws of ours; UMAT gives the whole stress.')
     if ((material%is_user .or. material%is_user_field) .and. len(material%name) > USER_NAME_LENGTH) call report_error(reader, &
       line, who // 'has a name of more than ' // to_text(USER_NAME_LENGTH) // ' letters, which user routines cannot be given.')
+    if (material%inelastic_law /= INELASTIC_NONE .and. material%is_user_field) call report_error(reader, line, who // &
+      'has *USER DEFINED FIELD beside a law whose state variables take the place of its STATEV, which is not supported.')
     call find_table_variable(reader, line, material)
     call check_cone(reader, line, material)
+    call complete_viscoelastic(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
-    is_nonlinear = material%has_deformation_plasticity .or. .not. is_linear_elastic(material)
+    is_nonlinear = material%has_deformation_plasticity .or. material%is_corotational .or. .not. is_linear_elastic(material)
+    if (material%inelastic_law /= INELASTIC_NONE .and. (has_yield .or. material%creep_law /= CREEP_NONE)) call report_error( &
+      reader, line, who // 'has *PLASTIC or *CREEP beside a law of flow by its name; give one.')
     if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. is_nonlinear) call report_error(reader, line, who // &
       'has both an elastic law that is not linear and *PLASTIC or *CREEP; give one.')
     if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic_hardening)) call report_error(reader, line, who // &
@@ -243,6 +259,7 @@ contains
     call add_table(material%deformation_plasticity)
     call add_table(material%creep)
     call add_table(material%cone)
+    call add_table(material%inelastic)
     if (allocated(material%isotropic_hardening)) call add_curves(material%isotropic_hardening)
     if (allocated(material%kinematic_hardening)) call add_curves(material%kinematic_hardening)
     if (material%density_table%variable > 0) call report_error(reader, line, 'The material ''' // material%name // &
@@ -282,6 +299,10 @@ contains
     if (reader%dialect == DIALECT_CALCULIX .and. .not. has_parameter(parameters, 'LIBRARY') .and. is_law_by_name(material%name)) &
       then
       call read_law_by_name(reader, c, material)
+      return
+    else if (reader%dialect == DIALECT_CALCULIX .and. .not. has_parameter(parameters, 'LIBRARY') .and. &
+      is_named_law(material%name)) then
+      call read_named_law(reader, c, material)
       return
     end if
     material%is_user = .true.
@@ -332,6 +353,7 @@ contains
       if (allocated(model%steps(i)%temperatures)) has_temperature = has_temperature .or. &
         size(model%steps(i)%temperatures) > 0
     end do
+    call set_viscoelastic_history(model%materials)
     do m = 1, size(model%materials)
       associate (material => model%materials(m))
         if (.not. has_temperature .and. allocated(material%expansion%value)) deallocate (material%expansion%value)
@@ -339,17 +361,19 @@ contains
         if (allocated(material%isotropic_hardening) .or. material%creep_law /= CREEP_NONE .or. has_past) &
           material%n_history = HISTORY_INELASTIC + 5
         if (allocated(material%kinematic_hardening)) material%n_history = HISTORY_BACK + 5
+        if (material%n_inner > 0) material%n_history = material%inner_first + material%n_inner - 1
         material%is_linear_isotropic = material%elastic_kind == ELASTIC_ISOTROPIC .and. material%n_history == 0 .and. &
-          .not. allocated(material%expansion%value) .and. .not. material%has_deformation_plasticity
+          .not. (material%is_corotational .or. allocated(material%expansion%value) .or. material%has_deformation_plasticity)
         if (allocated(material%elastic%value)) material%is_linear_isotropic = material%is_linear_isotropic .and. &
           size(material%elastic%value, 2) == 1
         if (material%is_user .or. material%is_user_field) then
           material%n_history = USER_STATE - 1 + material%n_statev
           material%is_linear_isotropic = .false.
         end if
-        material%is_unsymmetric = material%is_user
+        material%is_unsymmetric = material%is_user .or. material%is_corotational .or. material%inelastic_law == &
+          INELASTIC_CRYSTAL
         if (allocated(material%cone%value)) material%is_unsymmetric = material%yield_surface == YIELD_MOHR_COULOMB .or. &
-          any(material%cone%value(1, :) > material%cone%value(2, :))
+          material%has_cap .or. any(material%cone%value(1, :) > material%cone%value(2, :))
       end associate
     end do
   end subroutine finalize_materials
@@ -542,14 +566,19 @@ contains
     who = 'The material ''' // material%name // ''' '
     law = '*DRUCKER PRAGER'
     if (material%yield_surface == YIELD_MOHR_COULOMB) law = '*MOHR COULOMB'
+    if (material%has_cap) law = '*CAP PLASTICITY'
     if (allocated(material%cone%value) .neqv. material%has_cone_hardening) call report_error(reader, line, who // &
-      'needs both *DRUCKER PRAGER or *MOHR COULOMB (the angles) and its HARDENING (the yield stress), each once.')
+      'needs both *DRUCKER PRAGER, *MOHR COULOMB or *CAP PLASTICITY and its HARDENING (the yield stress), each once.')
     if (material%has_plastic .and. (allocated(material%cone%value) .or. material%has_cone_hardening)) call report_error(reader, &
       line, who // 'has *PLASTIC or *CYCLIC HARDENING beside ' // law // '; give one law of yield.')
     if (.not. allocated(material%cone%value)) return
     if (material%has_cone_hardening .and. (material%yield_surface == YIELD_MOHR_COULOMB .neqv. material%cone_hardening == &
       CONE_COHESION)) call report_error(reader, line, who // 'has ' // law // ' with the HARDENING of another law; give ' // &
       'that of the same law.')
+    if (material%has_cone_hardening .and. material%has_cap) then
+      if (.not. is_cap_complete(material)) call report_error(reader, line, who // 'has ' // law // ' with the HARDENING of ' // &
+        'another law; give that of the same law.')
+    end if
     if (material%elastic_kind /= ELASTIC_ISOTROPIC) call report_error(reader, line, who // &
       'has ' // law // ' with an elasticity that is not isotropic, which is not supported; give E and nu.')
     if (material%creep_law /= CREEP_NONE) call report_error(reader, line, who // 'has ' // law // ' with *CREEP, which is ' // &

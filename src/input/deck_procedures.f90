@@ -63,6 +63,7 @@ contains
     logical :: is_ok, has_row
     call open_card(reader, c, parameters, row)
     step%is_direct = has_parameter(parameters, 'DIRECT') .and. parameter_word(parameters, 'DIRECT', 'YES') /= 'NO'
+    step%is_long_term = .not. step%has_creep .and. has_parameter(parameters, 'LONG TERM')
     step%solver = merge(SOLVER_ITERATIVE, SOLVER_AUTO, index(parameter_word(parameters, 'SOLVER', ''), 'ITERATIVE') == 1)
     if (index(parameter_word(parameters, 'SOLVER', ''), 'CONJUGATEGRADIENT') == 1) step%solver = SOLVER_GRADIENTS
     call read_distributed_solver(reader, c, parameter_word(parameters, 'SOLVER', ''), step)

@@ -30,7 +30,7 @@ module amontons_deck_steps
   use amontons_text, only: to_text, parse_integer, parse_real, is_one_of, NUMBER_OK, plural, verb
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   use amontons_deck_materials, only: read_plastic
-  use amontons_materials, only: material_type, is_linear_elastic, CREEP_NONE
+  use amontons_materials, only: material_type, is_linear_elastic, CREEP_NONE, INELASTIC_NONE
   use amontons_element_kinds, only: element_kind_type, element_kind, KIND_SPRINGA, FAMILY_SOLID, FAMILY_PLANE_STRAIN, &
     FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC
   implicit none
@@ -715,7 +715,8 @@ contains
     associate (material => model%materials(m))
       can_be_relieved = can_be_relieved .and. material%has_elastic .and. .not. (allocated(material%isotropic_hardening) .or. &
         allocated(material%kinematic_hardening) .or. material%creep_law /= CREEP_NONE .or. material%is_user .or. &
-        material%is_user_field .or. material%has_deformation_plasticity .or. .not. &
+        material%inelastic_law /= INELASTIC_NONE .or. allocated(material%prony) .or. material%is_user_field .or. &
+        material%is_corotational .or. material%has_deformation_plasticity .or. .not. &
         is_linear_elastic(material))
     end associate
   end function can_be_relieved

@@ -37,7 +37,9 @@ module amontons_element_integration_points
     real(DP) :: initial_field(MAX_ELEMENT_NODES)   !< the same at the start
     real(DP) :: point_field(MAX_ELEMENT_POINTS)    !< this field variable by USDFLD, if the material has it
     real(DP) :: time                               !< at the end of the increment [time]
-    real(DP) :: time_increment                     !< [time]
+    real(DP) :: time_increment                     !< of creep and viscoelasticity: 0 outside of VISCO steps [time]
+    real(DP) :: elapsed_time = 0                   !< length of the increment, of rates that count in every step [time]
+    real(DP), allocatable :: inner_old(:, :)       !< (n_inner, MAX_ELEMENT_POINTS) committed history of a law beyond MAX_HISTORY
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
     real(DP) :: modes_old(9) = 0                   !< committed amplitudes of the incompatible modes, without the mean deformation
                                                    !! [length]
@@ -46,6 +48,7 @@ module amontons_element_integration_points
     ! output
     real(DP) :: modes(9)                           !< these amplitudes at the end of the increment [length]
     real(DP) :: history(MAX_HISTORY, MAX_ELEMENT_POINTS)   !< at the end of the increment
+    real(DP), allocatable :: inner(:, :)           !< the same at the end of the increment
     real(DP) :: stress(6, MAX_ELEMENT_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]
     real(DP) :: strain(6, MAX_ELEMENT_POINTS)              !< small, logarithmic or Green's strain, tensor components [-]
     real(DP) :: energy(MAX_ELEMENT_POINTS)                 !< strain energy per reference volume [stress]
@@ -76,7 +79,9 @@ contains
       if (material%is_user_field .and. size(weight) > 0) point%field = points%point_field(p)
       point%initial_field = dot_product(weight, points%initial_field(:size(weight)))
     end if
+    point%elapsed_time = points%elapsed_time
     point%history_old = points%history_old(:, p)
+    if (allocated(points%inner_old)) point%inner_old = points%inner_old(:, p)
     if (.not. allocated(points%user)) return
     if (p <= size(points%user)) point%user = points%user(p)
   end subroutine set_point_input
@@ -120,6 +125,7 @@ contains
     type(integration_points_type), intent(inout) :: points
     integer, intent(in) :: p                       !< point
     points%history(:, p) = point%history
+    if (allocated(point%inner)) points%inner(:, p) = point%inner
     if (allocated(point%user)) points%user(p)%history = point%user%history
   end subroutine store_point_history
 

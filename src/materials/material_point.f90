@@ -18,25 +18,31 @@ module amontons_material_point
   use amontons_logarithmic_strain, only: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, &
     tensor_log, tensor_exp, find_small_principal_strains, small_principal_tangent, principal_strains_type, left_cauchy_green, &
     find_principal_strains, tensor_from_principal, principal_tangent, expm1, log1p
-  use amontons_materials, only: material_type, orientation_type, evaluate_table, LAW_SAINT_VENANT, &
+  use amontons_materials, only: material_type, evaluate_table, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, &
     ELASTIC_CIARLET, ELASTIC_FIBRES, is_hyperelastic, is_one_sided, is_law_of_invariants, MAX_CONSTANTS, MAX_HISTORY, &
-    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, SYSTEM_CYLINDRICAL, YIELD_ROUND
+    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, YIELD_ROUND, INELASTIC_NONE, &
+    INELASTIC_LINEAR, INELASTIC_CRYSTAL_CREEP, CREEP_NONE
   use amontons_invariant_elasticity, only: invariant_law_stress, invariant_law_at_rest
   use amontons_one_sided_elasticity, only: one_sided_stress
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
     is_inelastic, evaluate_ramberg_osgood, RETURN_OK
   use amontons_drucker_prager, only: map_cone_return
+  use amontons_corotational_elasticity, only: corotational_stress
+  use amontons_crystal_plasticity, only: crystal_return_type, map_crystal_return, expand_creep_constants, N_CRYSTAL_CONSTANTS
+  use amontons_linear_viscoplasticity, only: linear_return_type, map_linear_return, N_LINEAR_CONSTANTS
+  use amontons_drucker_prager_cap, only: map_cap_return
+  use amontons_viscoelasticity, only: viscoelastic_stress, relax_finite_stress
   use amontons_lode_angle_return, only: principal_return_type, map_principal_return
   use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, green_strain_of_stretch, almansi_strain, &
     check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
-  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, cross_product, determinant_minus_one, double_dot, invert, &
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, &
     pack_voigt, push_forward, unpack_voigt, von_mises
   use amontons_user_material, only: umat_point_type, evaluate_umat
   implicit none
   private
   public :: material_point_type, update_material_point, elastic_strain_from_stress, evaluate_thermal_strain, &
-    evaluate_orientation, SQRT_3_2
+    SQRT_3_2
 
   !> Input and output of a material point. The committed history is read, never written.
   type :: material_point_type
@@ -49,7 +55,9 @@ module amontons_material_point
     real(DP) :: field = 0                          !< field variable that the tables of the material are over
     real(DP) :: initial_field = 0                  !< the same at the start
     real(DP) :: time                               !< at the end of the increment, for time-dependent laws [time]
-    real(DP) :: time_increment                     !< [time]
+    real(DP) :: time_increment                     !< of creep and viscoelasticity; 0 outside of VISCO steps [time]
+    real(DP) :: elapsed_time = 0                   !< length of the increment; 0: at rest [time]
+    real(DP), allocatable :: inner_old(:)          !< committed history of a law beyond MAX_HISTORY
     real(DP) :: history_old(MAX_HISTORY)                  !< committed history
     type(umat_point_type), allocatable :: user     !< more of a user's material; not there: at rest
     logical :: is_tangent_wanted = .true.          !< if not, the tangent is not set
@@ -59,6 +67,7 @@ module amontons_material_point
     real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
     real(DP) :: energy                             !< elastic, per reference volume [stress]
     real(DP) :: history(MAX_HISTORY)               !< at the end of the increment
+    real(DP), allocatable :: inner(:)              !< the same beyond MAX_HISTORY
   end type material_point_type
 
   !> The material constants at the temperature of a point.
@@ -85,6 +94,7 @@ contains
     type(moduli_type) :: moduli
     real(DP) :: thermal_stretch
     point%history = point%history_old
+    if (allocated(point%inner_old)) point%inner = point%inner_old
     if (material%is_user) then
       call evaluate_user_law(material, is_nlgeom, point, status)
       return
@@ -100,7 +110,8 @@ contains
       call evaluate_principal_law(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. material%has_deformation_plasticity) then
       call evaluate_almansi_law(material, moduli, point, status)
-    else if (material%law == LAW_SAINT_VENANT .and. .not. is_inelastic(material)) then
+    else if (material%law == LAW_SAINT_VENANT .and. (.not. is_inelastic(material) .or. (material%creep_law /= CREEP_NONE .and. &
+      .not. (moduli%is_isotropic .or. allocated(material%isotropic_hardening))))) then
       call evaluate_green_law(material, moduli, point, status)
     else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic .and. .not. &
       allocated(material%cone%value)) then
@@ -109,7 +120,7 @@ contains
       point%stress = thermal_stretch * point%stress
       point%tangent = thermal_stretch * point%tangent
       point%energy = thermal_stretch * point%energy
-    else if (allocated(material%kinematic_hardening) .or. material%has_deformation_plasticity .or. &
+    else if (allocated(material%kinematic_hardening) .or. material%has_deformation_plasticity .or. allocated(material%prony) .or. &
       .not. (moduli%is_isotropic .and. moduli%is_thermal_isotropic)) then
       call evaluate_log_law(material, moduli, point, status)
     else
@@ -296,6 +307,12 @@ contains
     else if (is_law_of_invariants(material)) then
       call invariant_law_stress(material%elastic_kind, moduli%constants, point%frame, elastic, point%stress, point%tangent, &
         point%energy, status)
+    else if (material%is_corotational) then
+      call corotational_stress(merge(isotropic_tangent(moduli%lambda, moduli%G), moduli%C, moduli%is_isotropic), elastic, &
+        point%stress, point%tangent, point%energy, status)
+    else if (allocated(material%prony)) then
+      call viscoelastic_stress(material%prony, [moduli%lambda, moduli%G], point%time_increment, elastic, point%inner, &
+        point%stress, point%tangent, point%energy)
     else if (moduli%is_isotropic) then
       point%stress = hooke_stress(moduli%lambda, moduli%G, elastic)
       point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
@@ -312,6 +329,8 @@ contains
       point%stress = matmul(moduli%C, doubled)
       point%tangent = moduli%C
       if (is_inelastic(material)) call return_with_anisotropy(material, moduli, doubled, point, status)
+      if (material%inelastic_law /= INELASTIC_NONE .and. point%elapsed_time > 0) call return_by_name(material, moduli, doubled, &
+        point, status)
       elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
       point%energy = 0.5_DP * double_dot(point%stress, elastic)
     end if
@@ -333,7 +352,7 @@ contains
     q = von_mises(N)
     bulk = moduli%lambda + 2 * moduli%G / 3
     call map_return(material, moduli, [q, p], point, response, status)
-    if (status /= STRESS_OK .or. .not. response%plastic + response%creep > 0) return
+    if (status /= STRESS_OK .or. .not. response%flow + abs(response%expansion) > 0) return
     if (q > 0) N = N / (SQRT_2_3 * q)
     point%stress = point%stress - (2 * moduli%G * SQRT_3_2 * response%flow) * N - (bulk * response%expansion) * VOIGT_IDENTITY
     point%tangent = response%ratio * isotropic_tangent(0.0_DP, moduli%G)
@@ -384,7 +403,10 @@ contains
     type(return_mapping_type), intent(out) :: response
     integer, intent(out) :: status                 !< STRESS_...
     integer :: return_status
-    if (allocated(material%cone%value)) then
+    if (material%has_cap) then
+      call map_cap_return(material, [moduli%G, moduli%lambda + 2 * moduli%G / 3], trial, table_argument(material, point), &
+        point%history_old(HISTORY_PEEQ), response, return_status)
+    else if (allocated(material%cone%value)) then
       call map_cone_return(material, [moduli%G, moduli%lambda + 2 * moduli%G / 3], trial, table_argument(material, point), &
         point%history_old(HISTORY_PEEQ), response, return_status)
     else
@@ -416,6 +438,36 @@ contains
       inelastic(4:) = inelastic(4:) + 0.5_DP * (response%plastic + response%creep) * response%flow(4:)
     end associate
   end subroutine return_with_anisotropy
+
+
+  !> Flow of the laws that CalculiX takes by the name of the material.
+  pure subroutine return_by_name(material, moduli, elastic, point, status)
+    type(material_type), intent(in) :: material
+    type(moduli_type), intent(in) :: moduli
+    real(DP), intent(in) :: elastic(6)             !< trial strain, engineering shears [-]
+    type(material_point_type), intent(inout) :: point       !< out: stress, tangent, history, inner
+    integer, intent(out) :: status                 !< STRESS_...
+    type(crystal_return_type) :: crystal
+    type(linear_return_type) :: linear
+    real(DP) :: constants(2 * N_CRYSTAL_CONSTANTS)
+    integer :: return_status
+    call evaluate_table(material%inelastic, table_argument(material, point), constants(:size(material%inelastic%value, 1)))
+    if (material%inelastic_law == INELASTIC_LINEAR) then
+      call map_linear_return(constants(:N_LINEAR_CONSTANTS), moduli%C, elastic, [point%time, point%elapsed_time], &
+        point%time_increment > 0, point%inner, linear, return_status)
+      crystal = crystal_return_type(linear%stress, linear%tangent, linear%flow, linear%plastic)
+    else
+      if (material%inelastic_law == INELASTIC_CRYSTAL_CREEP) constants = expand_creep_constants(constants(:4))
+      call map_crystal_return(material%inelastic_law, constants, moduli%C, point%frame, elastic, point%elapsed_time, point%inner, &
+        crystal, return_status)
+    end if
+    status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
+    point%stress = crystal%stress
+    point%tangent = crystal%tangent
+    point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + crystal%plastic
+    point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) &
+      + crystal%flow
+  end subroutine return_by_name
 
 
   !> Deformation plasticity: the deviator of the stress follows the strain by Ramberg and Osgood's law, the pressure is
@@ -571,8 +623,12 @@ contains
       end if
     end if
     point%stress = tensor_from_principal(principal, response%tau)
-    if (point%is_tangent_wanted) point%tangent = principal_tangent(principal, response%tau, response%slope, response%secant)
+    if (point%is_tangent_wanted .or. allocated(material%prony)) point%tangent = principal_tangent(principal, response%tau, &
+      response%slope, response%secant)
     point%energy = response%energy
+    if (.not. allocated(material%prony)) return
+    call relax_finite_stress(material%prony, point%time_increment, point%H, point%inner, point%stress, point%tangent)
+    point%energy = (1 - sum(material%prony(1, :))) * point%energy    ! of the spring that lasts
   end subroutine evaluate_principal_law
 
 
@@ -614,7 +670,7 @@ contains
     N = response%tau + p
     q = SQRT_3_2 * norm2(N)
     call map_return(material, moduli, [q, p], point, back, status)
-    if (status /= STRESS_OK .or. .not. back%plastic + back%creep > 0) return
+    if (status /= STRESS_OK .or. .not. back%flow + abs(back%expansion) > 0) return
     if (q > 0) N = N / (SQRT_2_3 * q)
     flow = (SQRT_3_2 * back%flow) * N + back%expansion / 3
     response%tau = response%tau - 2 * moduli%G * SQRT_3_2 * back%flow * N - bulk * back%expansion
@@ -663,73 +719,6 @@ contains
     b = push_forward(inverse, b) + left_cauchy_green(rest)
     point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = tensor_log(b, -0.5_DP)
   end subroutine store_inelastic_strain
-
-
-  !> The local axes of an orientation at a point. Rectangular: x through a, y towards b. Cylindrical: z from a to b, x
-  !! radial (global x or y where the place is on the axis). They may be projected on a shell.
-  pure function evaluate_orientation(orientation, place, normal) result(frame)
-    type(orientation_type), intent(in) :: orientation
-    real(DP), intent(in) :: place(3)               !< [length]
-    real(DP), intent(in) :: normal(3)              !< of the shell, a unit vector; used where the axes are projected
-    real(DP) :: frame(3, 3)                        !< axes in columns
-    real(DP) :: x(3), z(3)
-    if (orientation%system == SYSTEM_CYLINDRICAL) then
-      z = (orientation%b - orientation%a) / norm2(orientation%b - orientation%a)
-      x = place - orientation%a
-      x = x - dot_product(x, z) * z
-      if (norm2(x) <= 1.0e-12_DP * norm2(orientation%b - orientation%a)) then
-        x = IDENTITY(:, minloc(abs(z), 1))
-        x = x - dot_product(x, z) * z
-      end if
-    else
-      x = orientation%a
-      z = cross_product(orientation%a, orientation%b)
-    end if
-    x = x / norm2(x)
-    z = z / norm2(z)
-    frame(:, 1) = x
-    frame(:, 2) = cross_product(z, x)
-    frame(:, 3) = z
-    if (orientation%is_projected) then
-      frame = project_axes(frame, orientation%normal_axis, normal)
-      call rotate_axes(3, orientation%rotation_angle + orientation%layer_angle, frame)
-    else if (orientation%rotation_axis > 0) then
-      call rotate_axes(orientation%rotation_axis, orientation%rotation_angle, frame)
-    end if
-  end function evaluate_orientation
-
-
-  !> Axes on a shell: the first is the projection of the axis behind a given one, or of the given one where that axis is nearly
-  !! along the normal; the third is the normal.
-  pure function project_axes(frame, axis, normal) result(projected)
-    real(DP), intent(in) :: frame(3, 3)            !< axes in columns
-    integer, intent(in) :: axis                    !< 1 to 3
-    real(DP), intent(in) :: normal(3)              !< a unit vector
-    real(DP) :: projected(3, 3), x(3)
-    real(DP), parameter :: TOL_ALONG = 1.745e-3_DP !< sine of 0.1 degree, as in Abaqus [-]
-    x = frame(:, modulo(axis, 3) + 1)
-    x = x - dot_product(x, normal) * normal
-    if (norm2(x) < TOL_ALONG) x = frame(:, axis) - dot_product(frame(:, axis), normal) * normal
-    projected(:, 1) = x / norm2(x)
-    projected(:, 3) = normal
-    projected(:, 2) = cross_product(normal, projected(:, 1))
-  end function project_axes
-
-
-  !> Turns the axes about one of them.
-  pure subroutine rotate_axes(axis, angle, frame)
-    integer, intent(in) :: axis                    !< 1 to 3
-    real(DP), intent(in) :: angle                  !< [rad]
-    real(DP), intent(inout) :: frame(3, 3)         !< axes in columns
-    real(DP) :: a(3), b(3)
-    integer :: i, j
-    i = modulo(axis, 3) + 1
-    j = modulo(axis + 1, 3) + 1
-    a = frame(:, i)
-    b = frame(:, j)
-    frame(:, i) = cos(angle) * a + sin(angle) * b
-    frame(:, j) = cos(angle) * b - sin(angle) * a
-  end subroutine rotate_axes
 
 
   !> Plasticity as in CalculiX (Simo): b is the isochoric elastic b and k the back stress, both pushed forward by F,

@@ -15,10 +15,11 @@ module amontons_plasticity
   private
   public :: return_mapping_type, anisotropic_return_type, map_radial_return, return_to_curve, is_inelastic, &
     RETURN_OK, RETURN_FAILED, &
-    evaluate_ramberg_osgood, map_anisotropic_return, TOL_YIELD
+    evaluate_ramberg_osgood, map_anisotropic_return, solve_voigt_system, TOL_YIELD
 
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
+  integer, parameter :: MAX_STRESS_HALVINGS = 200  !< of the trial stress, to a bracket of the stress after creep
   real(DP), parameter :: TOL_YIELD = 1.0e-9_DP        !< a smaller relative excess over the yield stress is rounding [-]
 
   !> Result of the return mapping in an increment.
@@ -376,8 +377,18 @@ contains
     real(DP) :: f, df
     integer :: i
     search%scale = merge(norm2(e), problem%q_trial, is_yielding)        ! what rounding is measured by
-    if (.not. is_yielding) search%high = problem%q_trial
     status = RETURN_FAILED
+    if (.not. is_yielding) then                    ! within a factor of two: a rate may relax nearly all of the stress
+      search%high = problem%q_trial
+      do i = 1, MAX_STRESS_HALVINGS
+        search%x = 0.5_DP * search%high
+        call evaluate_anisotropic_flow(material, problem, C, e, search%x, is_yielding, solution, f, df)
+        if (f >= 0) exit
+        search%high = search%x
+      end do
+      search%low = search%x
+      search%x = search%high
+    end if
     call evaluate_anisotropic_flow(material, problem, C, e, search%x, is_yielding, solution, f, df)
     do i = 1, MAX_ROOT_ITERATIONS
       if (.not. df < 0) return

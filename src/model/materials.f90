@@ -14,6 +14,7 @@ module amontons_materials
     is_one_sided, is_law_of_invariants
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
+  public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
   public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE, USER_FIELD, USER_VERDICT
@@ -44,6 +45,11 @@ module amontons_materials
   integer, parameter :: YIELD_MOHR_COULOMB = 3  !< Mohr and Coulomb's pyramid
   integer, parameter :: CONE_COMPRESSION = 1, CONE_TENSION = 2, CONE_SHEAR = 3   !< test that gave the hardening curve of a cone
   integer, parameter :: CONE_COHESION = 4       !< the curve gives the cohesion of Mohr and Coulomb
+
+  integer, parameter :: INELASTIC_NONE = 0
+  integer, parameter :: INELASTIC_CRYSTAL = 1   !< K, n, c, d, phi, delta, r0, Q, b of octahedral slip, then of cubic slip
+  integer, parameter :: INELASTIC_CRYSTAL_CREEP = 2  !< K, n of octahedral slip, then of cubic slip
+  integer, parameter :: INELASTIC_LINEAR = 3    !< yield stress, isotropic and kinematic modulus, A, n, m of the overstress
 
   integer, parameter :: CREEP_NONE = 0
   integer, parameter :: CREEP_TIME_HARDENING = 1     !< rate = A q^n t^m
@@ -121,6 +127,7 @@ module amontons_materials
     real(DP) :: youngs_modulus = 0              !< E, isotropic, at the first temperature [stress]
     real(DP) :: poissons_ratio = 0              !< nu, isotropic, at the first temperature [-]
     type(property_table_type) :: elastic                 !< constants by ELASTIC_...; optional with E and nu only
+    logical :: is_corotational = .false.        !< linear in U - 1 in place of the strain of the law
     integer :: hyper_kind = 0                   !< HYPER_...
     integer :: hyper_order = 0                  !< N
     integer :: n_history = 0                    !< history variables used
@@ -132,7 +139,10 @@ module amontons_materials
     type(hardening_curve_type), allocatable :: isotropic_hardening(:)   !< size of the yield surface, ascending temperatures
     type(hardening_curve_type), allocatable :: kinematic_hardening(:)   !< yield stress of monotonic tension of kinematic hardening
     integer :: yield_surface = YIELD_ROUND      !< YIELD_...
-    type(property_table_type) :: cone           !< friction and dilation angle [rad], then K, or e and eps; unallocated: von Mises
+    type(property_table_type) :: cone           !< friction and dilation angle [rad], then K, or e and eps; of a cap: friction
+                                                !! angle, cohesion d, R, initial volumetric plastic strain, alpha; unallocated:
+                                                !! von Mises
+    logical :: has_cap = .false.                !< the cone is that of a cap
     logical :: has_cone_hardening = .false., has_plastic = .false.   !< which cards gave isotropic_hardening
     integer :: cone_hardening = CONE_COMPRESSION   !< the test of isotropic_hardening
     logical :: is_unsymmetric = .false.         !< its tangent may be: UMAT, a cone with flow that is not associated
@@ -140,6 +150,11 @@ module amontons_materials
     type(property_table_type) :: deformation_plasticity             !< E, nu, yield stress, n, alpha of the Ramberg-Osgood law
     integer :: creep_law = CREEP_NONE
     type(property_table_type) :: creep                   !< A, n, m
+    integer :: inelastic_law = INELASTIC_NONE   !< flow of an anisotropic elasticity by INELASTIC_...
+    type(property_table_type) :: inelastic      !< its constants
+    real(DP), allocatable :: prony(:, :)        !< (3, terms) g, k [-] and tau [time] of viscoelasticity, whose elasticity is the
+                                                !! instantaneous one; unallocated: none
+    integer :: inner_first = 0, n_inner = 0     !< history variables of a law beyond MAX_HISTORY: the first, their number
     logical :: is_user = .false.                !< UMAT gives the stress
     logical :: is_user_field = .false.          !< USDFLD gives the field variables at its points
     logical :: is_called_in_3d = .false.             !< UMAT is called with three-dimensional arguments for all elements
@@ -290,12 +305,19 @@ contains
         words = trim(words) // ', plastic'
       else if (material%yield_surface == YIELD_MOHR_COULOMB) then
         words = trim(words) // ', Mohr-Coulomb'
+      else if (material%has_cap) then
+        words = trim(words) // ', Drucker-Prager cap'
       else
         words = trim(words) // ', Drucker-Prager'
       end if
     end if
     if (allocated(material%kinematic_hardening)) words = trim(words) // ', kinematic hardening'
+    if (material%is_corotational) words = trim(words) // ', corotational'
+    if (allocated(material%prony)) words = trim(words) // ', viscoelastic'
     if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
+    if (material%inelastic_law == INELASTIC_LINEAR) words = trim(words) // ', viscoplastic'
+    if (material%inelastic_law == INELASTIC_CRYSTAL) words = trim(words) // ', crystal plasticity'
+    if (material%inelastic_law == INELASTIC_CRYSTAL_CREEP) words = trim(words) // ', crystal creep'
   end function law_name
 
 end module amontons_materials

@@ -603,7 +603,7 @@ contains
       if (allocated(error) .or. size(fields%history, 1) == 0) return
       call check_finite(WHERE, columns(4:4), reshape(history_variable(fields, HISTORY_PEEQ), [1, size(fields%energy)]), error)
       if (.not. allocated(error) .and. size(columns) > 4) call check_finite(WHERE, columns(5:), &
-        fields%history(USER_STATE:, :), error)
+        fields%history(USER_STATE:USER_STATE + columns(5)%width - 1, :), error)
     end associate
   end subroutine check_points
 
@@ -621,7 +621,8 @@ contains
       if (.not. allocated(error)) call append_values(results, table(3), reshape(fields%energy, [1, n]), error)
       if (.not. allocated(error)) call append_values(results, table(4), reshape(history_variable(fields, HISTORY_PEEQ), [1, n]), &
         error)
-      if (.not. allocated(error) .and. size(table) > 4) call append_values(results, table(5), fields%history(USER_STATE:, :), error)
+      if (.not. allocated(error) .and. size(table) > 4) call append_values(results, table(5), fields%history(USER_STATE:USER_STATE &
+        + results%integration_columns(5)%width - 1, :), error)
     end associate
   end subroutine append_points
 

@@ -14,7 +14,7 @@ module amontons_section_forces
   use amontons_element, only: evaluate_point_volumes
   use amontons_element_kinds, only: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FAMILY_SHELL, KIND_SAX2, &
     MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
-  use amontons_material_point, only: evaluate_orientation
+  use amontons_material_axes, only: evaluate_orientation
   use amontons_materials, only: orientation_type
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, is_out

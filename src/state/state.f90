@@ -3,7 +3,8 @@
 module amontons_state
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
-  use amontons_material_point, only: elastic_strain_from_stress, evaluate_orientation
+  use amontons_material_axes, only: evaluate_orientation
+  use amontons_material_point, only: elastic_strain_from_stress
   use amontons_materials, only: material_type, orientation_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
     HISTORY_PEEQ, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
@@ -331,7 +332,8 @@ contains
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     integer :: i
-    n = max(0, size(fields%history, 1) - USER_STATE + 1)
+    n = 0
+    if (size(fields%history, 1) >= USER_STATE) n = maxval(model%materials%n_statev)
     if (model%dialect /= DIALECT_CALCULIX) return
     if (any([(has_isotropic_plasticity(model%materials(i)), i=1, size(model%materials))])) n = max(n, N_CALCULIX_PLASTIC)
   end function n_state_variables
@@ -356,8 +358,9 @@ contains
     real(DP) :: strain(6), back_stress(6)
     integer :: e, m, p, n_user
     values = 0
-    n_user = max(0, size(fields%history, 1) - USER_STATE + 1)
-    if (n_user > 0) values(:n_user, :) = fields%history(USER_STATE:, :)
+    n_user = 0
+    if (size(fields%history, 1) >= USER_STATE) n_user = maxval(model%materials%n_statev)
+    if (n_user > 0) values(:n_user, :) = fields%history(USER_STATE:USER_STATE + n_user - 1, :)
     if (size(values, 1) == n_user) return
     do e = 1, model%mesh%n_elements
       m = material_in_step(model, fields%step, e)

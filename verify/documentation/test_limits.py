@@ -62,9 +62,10 @@ TRIALS = [
     ("self contact by a pressure", "pair", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1000.\n*CONTACT PAIR, INTERACTION=DRY\nLOW,\n", "hard contact only"),
     ("friction that depends on", "interaction", "*FRICTION\n0.3, 1., 0.5, 20.\n", "friction cannot depend"),
     ("adhesion", "interaction", "*COHESIVE BEHAVIOR\n", r"\*COHESIVE BEHAVIOR is not supported"),
-    ("caps", "material", "*CAP PLASTICITY\n1., 30., 0.5, 0.01\n", r"\*CAP PLASTICITY is not supported"),
+    ("clay", "material", "*CLAY PLASTICITY\n1., 30., 0.5, 0.01\n", r"\*CLAY PLASTICITY is not supported"),
     ("damage", "material", "*DAMAGE INITIATION, CRITERION=DUCTILE\n0.1\n", r"\*DAMAGE INITIATION is not supported"),
-    ("viscoelasticity", "material", "*VISCOELASTIC, TIME=PRONY\n0.1, 0.1, 1.\n", r"\*VISCOELASTIC is not supported"),
+    ("viscoelasticity by test data", "material", "*VISCOELASTIC, TIME=CREEP TEST DATA\n0.1, 0.1, 1.\n", r"Give g, k and tau"),
+    ("`*TRS`", "material", "*TRS\n0.1, 0.1, 1.\n", r"\*TRS is not supported"),
     ("cast iron", "material", "*CAST IRON PLASTICITY\n0.1\n", r"\*CAST IRON PLASTICITY is not supported"),
     ("rate-dependent yield", "material", "*PLASTIC\n200., 0.\n*RATE DEPENDENT\n40., 5.\n", r"\*RATE DEPENDENT is not supported"),
 ]

@@ -1,0 +1,145 @@
+!> VISCOELASTIC to the Prony series of materials, and long-term constants to instantaneous ones.
+!! SPDX-License-Identifier: GPL-3.0-or-later
+module amontons_deck_viscoelasticity
+  use amontons_kinds, only: DP
+  use amontons_cards, only: parameter_type, data_row_type, next_row
+  use amontons_card_schema, only: parameter_word
+  use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields, is_card
+  use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_HYPER, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_NONE, &
+    INELASTIC_NONE, MAX_HISTORY, USER_STATE
+  use amontons_viscoelasticity, only: n_viscoelastic_state
+  implicit none
+  private
+  public :: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
+
+contains
+
+  !> VISCOELASTIC, TIME=PRONY: g, k, tau of each term.
+  subroutine read_viscoelastic(reader, c, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    type(material_type), intent(inout) :: material
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    real(DP) :: term(3)
+    real(DP), allocatable :: terms(:, :)
+    integer :: i, line
+    logical :: is_ok
+    line = reader%cards%cards(c)%line
+    call open_card(reader, c, parameters, row)
+    allocate (terms(3, 0))
+    is_ok = .true.
+    do while (next_row(reader%cards, row))
+      call check_n_fields(reader, row, 3)
+      do i = 1, 3
+        call read_real(reader, row, i, 'constant', term(i), is_ok, 0.0_DP)
+      end do
+      if (.not. is_ok) return
+      if (any(term(:2) < 0) .or. .not. term(3) > 0) then
+        call report_error(reader, row%line, 'A term of the Prony series needs g and k of 0 or more and a relaxation time tau ' // &
+          'above 0.')
+        return
+      end if
+      terms = reshape([terms, term], [3, size(terms, 2) + 1])
+    end do
+    if (size(terms, 2) == 0) then
+      call report_error(reader, line, '*VISCOELASTIC needs a data line for each term: g, k, tau.')
+    else if (sum(terms(1, :)) >= 1 .or. sum(terms(2, :)) >= 1) then
+      call report_error(reader, line, 'The sum of g and the sum of k must each be less than 1, so that some stiffness lasts.')
+    else
+      material%prony = terms
+    end if
+  end subroutine read_viscoelastic
+
+
+  !> The constants at once, from those after a long time, unless MODULI=INSTANTANEOUS; refuses what does not go together.
+  subroutine complete_viscoelastic(reader, line, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< of the MATERIAL card
+    type(material_type), intent(inout) :: material
+    character(:), allocatable :: who
+    integer :: i
+    if (.not. allocated(material%prony)) return
+    who = 'The material ''' // material%name // ''' '
+    if (.not. (material%elastic_kind == ELASTIC_ISOTROPIC .or. material%elastic_kind == ELASTIC_HYPER) .or. material%is_user .or. &
+      material%is_corotational .or. material%has_deformation_plasticity) then
+      call report_error(reader, line, who // 'has *VISCOELASTIC with an elasticity other than isotropic *ELASTIC or ' // &
+        '*HYPERELASTIC, which is not supported.')
+    else if (allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening) .or. material%creep_law /= &
+      CREEP_NONE .or. material%inelastic_law /= INELASTIC_NONE .or. allocated(material%cone%value)) then
+      call report_error(reader, line, who // 'has *VISCOELASTIC beside plasticity or creep, which is not supported; give one.')
+    else if (material%is_user_field) then
+      call report_error(reader, line, who // 'has *VISCOELASTIC beside *USER DEFINED FIELD, which is not supported.')
+    else if (allocated(material%elastic%value)) then
+      if (.not. is_long_term(reader, line)) return
+      do i = 1, size(material%elastic%value, 2)
+        call stiffen(material, 1 - sum(material%prony(1, :)), 1 - sum(material%prony(2, :)), material%elastic%value(:, i))
+      end do
+      if (material%elastic_kind == ELASTIC_HYPER) return
+      material%youngs_modulus = material%elastic%value(1, 1)
+      material%poissons_ratio = material%elastic%value(2, 1)
+    end if
+  end subroutine complete_viscoelastic
+
+
+  !> Whether the constants of a material are those after a long time: MODULI of its ELASTIC or HYPERELASTIC.
+  logical function is_long_term(reader, line)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< of the MATERIAL card
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    integer :: c
+    logical :: is_inside
+    is_long_term = .true.
+    is_inside = .false.
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'MATERIAL')) is_inside = reader%cards%cards(c)%line == line
+      if (.not. is_inside) cycle
+      if (.not. (is_card(reader, c, 'ELASTIC') .or. is_card(reader, c, 'HYPERELASTIC'))) cycle
+      call open_card(reader, c, parameters, row)
+      is_long_term = parameter_word(parameters, 'MODULI', 'LONGTERM') /= 'INSTANTANEOUS'
+    end do
+  end function is_long_term
+
+
+  !> Constants of a shear modulus divided by its long-term part, and a bulk modulus divided by its own.
+  pure subroutine stiffen(material, shear, bulk, constants)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: shear, bulk          !< what lasts [-]
+    real(DP), intent(inout) :: constants(:)
+    real(DP) :: G, K
+    integer :: first
+    if (material%elastic_kind == ELASTIC_ISOTROPIC) then
+      G = constants(1) / (2 * (1 + constants(2))) / shear
+      K = constants(1) / (3 * (1 - 2 * constants(2))) / bulk
+      constants(:2) = [9 * K * G / (3 * K + G), (3 * K - 2 * G) / (6 * K + 2 * G)]
+      return
+    end if
+    select case (material%hyper_kind)
+    case (HYPER_OGDEN)
+      first = 2 * material%hyper_order + 1
+      constants(1:first - 1:2) = constants(1:first - 1:2) / shear
+    case (HYPER_ARRUDA_BOYCE)
+      first = 3
+      constants(1) = constants(1) / shear
+    case default
+      first = material%hyper_order * (material%hyper_order + 3) / 2 + 1
+      constants(:first - 1) = constants(:first - 1) / shear
+    end select
+    constants(first:) = constants(first:) * bulk
+  end subroutine stiffen
+
+
+  !> Where the state of viscoelastic materials begins: behind the STATEV of all.
+  pure subroutine set_viscoelastic_history(materials)
+    type(material_type), intent(inout) :: materials(:)
+    integer :: m, n
+    n = maxval([0, materials%n_statev])
+    do m = 1, size(materials)
+      if (.not. allocated(materials(m)%prony)) cycle
+      materials(m)%n_inner = n_viscoelastic_state(size(materials(m)%prony, 2))
+      materials(m)%inner_first = merge(USER_STATE + n, MAX_HISTORY + 1, n > 0)
+    end do
+  end subroutine set_viscoelastic_history
+
+end module amontons_deck_viscoelasticity
