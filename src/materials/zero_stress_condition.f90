@@ -118,6 +118,9 @@ contains
     integer :: status
     call set_point_input(material, points, 1, [real(DP) ::], point)
     if (allocated(point%user)) deallocate (point%user)
+    if (allocated(point%inner_old)) point%inner_old = 0
+    point%time_increment = 0                       ! at once, without flow
+    point%elapsed_time = 0
     if (.not. material%is_linear_isotropic) then
       point%history_old = 0
       point%temperature = sum(points%temperature(:n)) / real(n, DP)
