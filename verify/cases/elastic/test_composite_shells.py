@@ -256,3 +256,28 @@ def test_one_solid_through_all_layers(proof: Proof, kind: str) -> None:
     case.near("stress across the thickness", found, np.broadcast_to(expected[None, :, :, None], found.shape), 2e-5,
               why="springs; S8R has a stabilization of 1e-5", place="all points", time="the end")  # fmt: skip
     case.done()
+
+
+@pytest.mark.parametrize(("kind", "dialect"), [("S4", "abaqus"), ("S8R", "abaqus"), ("S6", "calculix"), ("S8R", "calculix")])
+def test_tapered_laminate(proof: Proof, kind: str, dialect: str) -> None:
+    """NODAL THICKNESS of a composite shell: all layers grow thinner in proportion."""
+    case = proof(
+        f"composite-tapered-{kind.lower()}-{dialect}",
+        title=f"A tapered laminate of {kind} under a force at its end, dialect {dialect}",
+        model="A strip 10 x 1 of [hard/soft/hard] in the proportion 1:2:1, E = 210000 and 70000, nu = 0, *NODAL THICKNESS from 0.4 at the clamp to 0.2 at the end, with 1 along z there; 20 cells.",
+        formula="w = F int (L-x)^2/D(x) dx with D(x) = t(x)^3 sum E_k (z_k+1^3 - z_k^3)/3 over the unit thickness.",
+        source=CLT,
+        proves="Layers keep their share of the thickness at each node.",
+    )
+    body = shell(kind, (20, 1), lambda u, v: (10 * u, v, 0 * u))
+    cards = "*MATERIAL, NAME=HARD\n*ELASTIC\n210000., 0.\n*MATERIAL, NAME=SOFT\n*ELASTIC\n70000., 0.\n"
+    cards += "*SHELL SECTION, ELSET=E, COMPOSITE, NODAL THICKNESS\n.1, 3, HARD\n.2, 3, SOFT\n.1, 3, HARD\n*NODAL THICKNESS\n"
+    cards += "".join(f"{i + 1}, {0.4 - 0.2 * u:.15g}\n" for i, (u, _) in enumerate(body.uv))
+    cards += held(body.where(0, 0.0), "1, 6")
+    job = case.run(f"** dialect: {dialect}\n" + body.cards() + cards + step(edge_load(body, 3, 1.0)), kind)
+    unit = (210000 * (0.5**3 - 0.25**3) + 70000 * 0.25**3) * 2 / 3
+    x = (np.arange(4000) + 0.5) * 10 / 4000
+    exact = float(np.sum((10 - x) ** 2 / (unit * (0.4 - 0.02 * x) ** 3)) * 10 / 4000)
+    case.near("deflection", float(job.last("U")[body.at(1, 0.5), 2]), exact, 0.01, why="shear adds E/G (t/L)^2, linear steps of the thickness h^2; each below 0.5 %",
+              place="the end", time="the end")  # fmt: skip
+    case.done()
