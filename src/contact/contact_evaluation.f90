@@ -20,7 +20,8 @@ module amontons_contact_evaluation
     NO_FRICTION_LIMIT
   use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_slave_node_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
-  use amontons_contact_pairs, only: contact_type, update_mortar_rows, search_lost_slave, update_mortar_slave, update_gap, &
+  use amontons_mortar_seams, only: update_mortar_rows
+  use amontons_contact_pairs, only: contact_type, search_lost_slave, update_mortar_slave, update_gap, &
     is_stuck_to_mortar_row, current_row, origin_row, contact_slip_vector, begin_search, find_slaves_apart, &
     measure_clearances
   use amontons_first_touch, only: set_first_touch_origin

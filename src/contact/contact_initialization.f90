@@ -17,7 +17,8 @@ module amontons_contact_initialization
   use amontons_shared_slave_nodes, only: order_slave_levels, reachable_nodes_type
   use amontons_slave_nodes, only: detach_slave, is_rough
   use amontons_contact_step, only: find_faceless_slaves
-  use amontons_contact_pairs, only: contact_type, update_mortar_rows, update_projection, set_stick_origin, create_contact, &
+  use amontons_mortar_seams, only: update_mortar_rows
+  use amontons_contact_pairs, only: contact_type, update_projection, set_stick_origin, create_contact, &
     SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO
   use amontons_errors, only: error_type
   use amontons_containers, only: integer_list_type
@@ -128,13 +129,15 @@ contains
 
   !> The nodes to which slaves may give a force within the increment: those of the facet and around it, for a mortar row all its
   !! master nodes; under a compliant law also their own. A force on a mid-side node of a mortar pair acts on the adjacent corners
-  !! too.
+  !! too. Nodes beyond the master's edge transfer their functions to the row: its force on them has no part in the imbalances of
+  !! other rows of the pair, and none in those of their corners, because the row has the corners with opposite weights.
   subroutine list_reachable_nodes(contact, model, slaves, reach)
     type(contact_type), intent(in) :: contact
     type(model_type), intent(in) :: model
     type(slave_state_type), intent(in) :: slaves(:)
     type(reachable_nodes_type), intent(out) :: reach
-    integer, allocatable :: ends(:, :), nodes(:)
+    integer, allocatable :: ends(:, :), nodes(:), own_side(:)
+    logical :: is_master(model%mesh%n_nodes)       ! of the pair of the slave
     integer :: s, p, k, n
     allocate (ends(2, model%mesh%n_nodes), source=0)
     do p = 1, size(model%pairs)
@@ -143,10 +146,16 @@ contains
     end do
     allocate (reach%first(size(slaves) + 1), reach%nodes(1000))
     reach%first(1) = 1
+    p = 0
     do s = 1, size(slaves)
+      if (slaves(s)%pair /= p) then
+        p = slaves(s)%pair
+        is_master = .false.
+        is_master(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
+      end if
       call add_reachable_nodes(s)
       n = size(nodes)
-      nodes = [nodes, pack(reshape(ends(:, nodes), [2 * n]), reshape(ends(:, nodes), [2 * n]) > 0)]
+      nodes = [nodes, pack(reshape(ends(:, nodes), [2 * n]), reshape(ends(:, nodes), [2 * n]) > 0), -own_side]
       n = reach%first(s)
       do while (n + size(nodes) > size(reach%nodes))
         reach%nodes = [reach%nodes, reach%nodes]
@@ -167,6 +176,7 @@ contains
       integer, intent(in) :: s
       integer :: own
       nodes = [integer ::]
+      own_side = [integer ::]
       associate (slave => slaves(s), f => contact%facets(slaves(s)%pair))
         if (slave%facet == 0) return
         if (allocated(f%stencil)) nodes = f%stencil(f%stencil_first(slave%facet):f%stencil_first(slave%facet + 1) - 1)
@@ -174,7 +184,10 @@ contains
         if (slave%row == 0) return
         own = 0
         if (.not. is_compliant(contact%laws(slave%pair))) own = n_imbalance_nodes(contact%mortar(slave%pair), slave%row)
-        nodes = [nodes, contact%mortar(slave%pair)%rows(slave%row)%nodes(own + 1:)]
+        associate (others => contact%mortar(slave%pair)%rows(slave%row)%nodes(own + 1:))
+          nodes = [nodes, pack(others, is_master(others))]
+          own_side = pack(others, .not. is_master(others))
+        end associate
       end associate
     end subroutine add_reachable_nodes
 
@@ -363,8 +376,8 @@ contains
         if (is_adjusted(model, slave)) adjustment(:, slave%node) = -(slave%gap - slave%offset) * slave%normal
       end associate
     end do
-    do i = 1, size(contact%midside_constraints, 2)
-      associate (f => contact%midside_constraints(:, i))
+    do i = 1, size(contact%midsides%nodes, 2)
+      associate (f => contact%midsides%nodes(:, i))
         adjustment(:, f(1)) = 0.5_DP * (adjustment(:, f(2)) + adjustment(:, f(3)))
       end associate
     end do

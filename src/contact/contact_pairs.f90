@@ -6,7 +6,7 @@ module amontons_contact_pairs
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_element_kinds, only: has_faces_in_space
+  use amontons_element_kinds, only: has_faces_in_space, MAX_FACE_NODES
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, is_compliant, is_self_contact, pair_interactions
   use amontons_slave_nodes, only: detach_slave
@@ -23,31 +23,31 @@ module amontons_contact_pairs
   use amontons_analytic_profiles, only: profile_length, PROFILE_PLANAR
   use amontons_sparse, only: sparse_type
   use amontons_shared_slave_nodes, only: shared_slaves_type, find_shared_slaves, global_axes, resize_shared_slaves, &
-    are_shared, have_others, MIN_PARALLEL_COSINE
-  use amontons_facets, only: facets_type, build_facets, is_unseen
+    are_shared
+  use amontons_facets, only: facets_type, build_facets, is_unseen, facet_nodes, n_facet_corners, EDGE_CONVEX
+  use amontons_facet_crossing, only: plane_normal
   use amontons_self_contact_visibility, only: find_unseen_facets, current_node_normal
   use amontons_analytic_master, only: build_profile_facets
+  use amontons_midside_constraints, only: midsides_type, append_midsides
   use amontons_exterior_surface, only: depths_below, common_depth, reached_depth
   use amontons_facet_search, only: facet_search_type, renew_facet_search
-  use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
-    mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, rotate_with_normal, differentiate_rotation
+  use amontons_mortar, only: mortar_type, create_mortar, unify_imbalance_weights, add_pretension_rows, rotate_with_normal, &
+    differentiate_rotation
   use amontons_surface_projection, only: projection_type, track_projection, find_projection, measure_thickness, find_clearance, &
-    PROJECTION_INSIDE, PROJECTION_OUTSIDE
+    find_edge_excess, PROJECTION_INSIDE, PROJECTION_OUTSIDE
   implicit none
   private
   public :: contact_type, create_contact, set_free_directions, resize_contact
-  public :: update_mortar_rows, current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
+  public :: current_row, origin_row, contact_slip_vector, origin_offset_derivative, search_lost_slave, &
     update_projection, &
     update_mortar_slave, update_gap, set_stick_origin, is_stuck_to_mortar_row, find_slaves_apart, &
     find_slave_projection, renew_searches, begin_search, measure_clearances, SEARCH_RADIUS_RATIO, SEARCH_SLACK_RATIO, &
     MAX_DEPTH_SHARE
 
-  integer, parameter :: SEAM_UNKNOWN = 0         !< a node was over one master only in this increment
-  integer, parameter :: SEAM_COPLANAR = 1        !< its masters are coplanar: the surface continues
-  integer, parameter :: SEAM_STEP = 2            !< they are not
-  real(DP), parameter :: MAX_COPLANAR_OFFSET = 1.0e-2_DP         !< masters with a larger offset, over an edge, are not coplanar [-]
   real(DP), parameter :: SEARCH_RADIUS_RATIO = 3.0_DP    !< search radius over the longest facet edge [-]
   real(DP), parameter :: SEARCH_SLACK_RATIO = 0.5_DP     !< motion of a master, over that edge, after which its grid is rebuilt [-]
+  real(DP), parameter :: MAX_BESIDE = 0.01_DP    !< a node is beside a facet beyond this excess over its ridge, over its length [-]
+  real(DP), parameter :: MIN_RIDGE_COSINE = 0.1_DP   !< of the normals of slave and of a side of the master that faces it [-]
   real(DP), parameter :: MAX_DEPTH_SHARE = 0.9_DP  !< a node behind a facet by more than this share of the depth of its element,
                                                    !! or of the thickness of its sheet, does not see it [-]
 
@@ -67,13 +67,13 @@ module amontons_contact_pairs
     real(DP) :: period = 1                        !< of the step [time]
     type(contact_controls_type) :: controls       !< of the step
     type(element_faces_type), allocatable :: slave_area_faces(:)  !< (n_pairs) faces for the areas of slave nodes of compliant laws
-    integer, allocatable :: midside_constraints(:, :)        !< (3, n) mid-side slave node and the two corners that constrain it
+    type(midsides_type) :: midsides               !< mid-side slave nodes and those that follow their corners
     real(DP), allocatable :: slave_normal(:, :)  !< (3, n_slaves) outward from the slave in the reference configuration; 0 if node
                                                  !! based
     real(DP), allocatable :: axes(:, :, :)  !< (3, 3, n_slaves) in columns: the global axes, or those of the node's local coordinate
                                             !! system
     real(DP), allocatable :: free_mask(:, :)           !< (3, n_slaves) along them: 1 free, 0 fixed by a support or an equation
-    integer, allocatable :: seam(:)  !< (n_slaves) SEAM_...: whether it is merged into the row of an earlier slave of its node
+    integer, allocatable :: seam(:)  !< (n_slaves) SEAM_... of `mortar_seams`: whether it is merged into the row of an earlier slave
     type(shared_slaves_type) :: shared_slaves               !< pairs that share nodes
     type(sparse_type) :: force_condensation  !< E: condenses forces on all nodes to free unknowns; only with several levels of
                                              !! slaves
@@ -128,7 +128,8 @@ contains
       contact%is_ramped(size(model%pairs)), source=.false.)
     allocate (contact%interference(size(model%pairs)), source=0.0_DP)
     contact%laws = pair_interactions(model%pairs, model%interactions)
-    allocate (slaves(0), contact%midside_constraints(3, 0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
+    allocate (slaves(0), contact%slave_normal(3, 0), contact%mortar(size(model%pairs)))
+    call append_midsides(contact%midsides, reshape([integer ::], [3, 0]), reshape([integer ::], [2, 0]))
     do p = 1, size(model%pairs)
       associate (master => model%surfaces(model%pairs(p)%master))
         if (allocated(master%profile)) then
@@ -160,7 +161,7 @@ contains
     n = size(slaves)
     call unite_hard_mortar_pairs(contact, model)
     allocate (contact%is_pretension_duplicate(n), contact%has_sliding_support(n), source=.false.)
-    allocate (contact%seam(n), source=SEAM_UNKNOWN)
+    allocate (contact%seam(n), source=0)
     if (allocated(model%pretension_node_pairs)) call mark_pretension_duplicates(contact, model, slaves)
     call find_shared_slaves(model%mesh%n_nodes, slaves, contact%facets, .not. is_compliant(contact%laws), contact%shared_slaves)
     do p = 1, size(model%pairs)
@@ -345,8 +346,8 @@ contains
     type(slave_state_type), allocatable, intent(inout) :: slaves(:)
     real(DP), allocatable :: area_vector(:, :), area(:)
     integer, allocatable :: corners(:, :)          ! (2, n_nodes) the corners of a mid-side node
-    logical, allocatable :: follows(:)             ! (n_nodes) constrained as a mid-side node of another pair
     integer, allocatable :: midside_nodes(:)           ! of this pair
+    integer, allocatable :: slave_of(:)            ! (n_nodes) of this pair
     type(slave_state_type), allocatable :: added(:)
     integer :: i, f, n, node, memory
     logical :: has_nodal_areas
@@ -354,9 +355,8 @@ contains
     associate (mesh => model%mesh, surface => model%surfaces(model%pairs(pair)%slave))
       allocate (area_vector(3, mesh%n_nodes), area(mesh%n_nodes), source=0.0_DP)
       allocate (corners(2, mesh%n_nodes), source=0)
-      allocate (follows(mesh%n_nodes), source=.false.)
-      follows(contact%midside_constraints(1, :)) = .true.
-      allocate (midside_nodes(0), added(size(surface%nodes)))
+      allocate (slave_of(mesh%n_nodes), source=0)
+      allocate (added(size(surface%nodes)))
       if (.not. surface%is_node_based) then
         do f = 1, size(surface%element)
           call add_nodal_face_areas(mesh, surface%element(f), surface%face(f), has_nodal_areas, area_vector, area, corners)
@@ -375,10 +375,11 @@ contains
         if (model%pairs(pair)%is_mortar) added(n)%row = i
         memory = memory + contact%laws(pair)%n_statev
       end do
-      midside_nodes = pack(surface%nodes, corners(1, surface%nodes) > 0 .and. .not. follows(surface%nodes))
-      contact%midside_constraints = reshape([contact%midside_constraints, [(midside_nodes(i), corners(:, midside_nodes(i)), i=1, &
-        size(midside_nodes))]], &
-        [3, size(contact%midside_constraints, 2) + size(midside_nodes)])
+      slave_of(added(:n)%node) = [(size(slaves) + i, i=1, n)]
+      midside_nodes = pack(surface%nodes, corners(1, surface%nodes) > 0)
+      call append_midsides(contact%midsides, reshape([(midside_nodes(i), corners(:, midside_nodes(i)), i=1, &
+        size(midside_nodes))], [3, size(midside_nodes)]), reshape([(slave_of(corners(:, midside_nodes(i))), i=1, &
+        size(midside_nodes))], [2, size(midside_nodes)]))
       slaves = [slaves, added(:n)]
       contact%slave_normal = reshape([contact%slave_normal, (area_vector(:, added(i)%node) &
         / max(norm2(area_vector(:, added(i)%node)), tiny(1.0_DP)), i=1, n)], [3, size(slaves)])
@@ -411,171 +412,6 @@ contains
     contact%is_uncoupled = find_uncoupled_slaves(contact, model, slaves, base)
     if (contact%shared_slaves%has_reaction_chains) call build_condensation_matrix(base, contact%force_condensation, error)
   end subroutine set_free_directions
-
-
-  !> Updates the rows of mortar pairs at x. A node that is slave in several of them with the same normal gets one merged row, in the
-  !! first of the pairs, if the masters are coplanar there at the start of the increment.
-  subroutine update_mortar_rows(contact, slaves, is_wanted, is_start, x, is_apart)
-    type(contact_type), intent(inout) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)
-    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
-    logical, intent(in) :: is_start                !< start of an increment
-    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    logical, intent(in), optional :: is_apart(:)   !< (n_slaves) of `find_slaves_apart`, where the elements are linearised
-    logical, allocatable :: are_apart(:)           ! the same by rows of a pair
-    integer :: p, s
-    logical :: is_found, is_shared(size(is_wanted))
-    do s = 1, size(slaves)
-      if (slaves(s)%row > 0 .and. slaves(s)%slave_facet == 0) contact%mortar(slaves(s)%pair)%was_closed(slaves(s)%row) = &
-        slaves(s)%status /= STATUS_OPEN .and. .not. contact%has_fixed_geometry(slaves(s)%pair)
-    end do
-    contact%mortar%is_compliant = is_compliant(contact%laws)
-    do p = 1, size(is_wanted)
-      if (.not. is_wanted(p)) cycle
-      if (is_start) contact%mortar(p)%has_other_masters = are_shared(contact%shared_slaves, contact%mortar(p)%nodes, &
-        allocated(contact%facets(p)%unseen))
-      if (present(is_apart)) are_apart = rows_apart(p)
-      call integrate_mortar(contact%mortar(p), contact%facets(p), contact%search(p), is_start, x, contact%reach(p), are_apart)
-    end do
-    if (.not. contact%shared_slaves%has_multi_pair_nodes .or. count(is_wanted) < 2) return
-    is_shared = is_wanted .and. .not. contact%mortar%has_unique_slaves
-    if (is_start) contact%seam = SEAM_UNKNOWN
-    if (is_start) call find_other_masters()
-    is_found = is_start
-    if (.not. is_start) call mark_second_masters(contact, slaves, is_wanted, is_found)
-    if (is_found .and. .not. is_start) call rebuild()
-    call merge_rows_at_seams(contact, slaves, is_wanted, x)
-    if (.not. is_found) return
-    do p = 1, size(is_wanted)
-      if (is_shared(p)) call end_rows_at_edges(contact%mortar(p), is_start)
-    end do
-    call rebuild()
-    call merge_rows_at_seams(contact, slaves, is_wanted, x)
-
-  contains
-
-    !> Which nodes of several pairs have a master in another one at the start of the increment. Without one a single pair acts on
-    !! them, and its rows are those of a single pair. In self contact the masters change with the side that is slave: all may touch.
-    subroutine find_other_masters()
-      logical :: may_touch(size(slaves)), has_other(size(slaves))
-      may_touch = .true.                           ! unknown at nodes
-      do s = 1, size(slaves)
-        if (is_single_sided(s)) may_touch(s) = contact%mortar(slaves(s)%pair)%places(slaves(s)%row)%vertex > 0
-      end do
-      has_other = have_others(contact%shared_slaves, may_touch)
-      do s = 1, size(slaves)
-        if (is_single_sided(s)) contact%mortar(slaves(s)%pair)%has_other_masters(slaves(s)%row) = has_other(s)
-      end do
-    end subroutine find_other_masters
-
-    !> Whether a slave has a row in a pair of two surfaces.
-    pure logical function is_single_sided(s)
-      integer, intent(in) :: s                     !< slave
-      is_single_sided = slaves(s)%row > 0 .and. .not. allocated(contact%facets(slaves(s)%pair)%unseen)
-    end function is_single_sided
-
-    !> The rows of a pair whose slaves stay open.
-    pure function rows_apart(p) result(rows)
-      integer, intent(in) :: p                     !< pair
-      logical :: rows(size(contact%mortar(p)%nodes))
-      integer :: s
-      rows = .false.
-      do s = 1, size(slaves)
-        if (slaves(s)%pair == p .and. slaves(s)%row > 0) rows(slaves(s)%row) = is_apart(s)
-      end do
-    end function rows_apart
-
-    !> The rows of all pairs that share slave nodes.
-    subroutine rebuild()
-      do p = 1, size(is_wanted)
-        if (is_shared(p)) call build_rows(contact%mortar(p), contact%facets(p), contact%search(p), x, contact%reach(p))
-      end do
-    end subroutine rebuild
-
-  end subroutine update_mortar_rows
-
-
-  !> Marks the rows of nodes that come over a second master within the increment: they continue for the comparison of both masters.
-  subroutine mark_second_masters(contact, slaves, is_wanted, is_found)
-    type(contact_type), intent(inout) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)
-    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
-    logical, intent(out) :: is_found
-    integer :: n, i
-    is_found = .false.
-    do n = 1, size(contact%shared_slaves%first) - 1
-      associate (own => contact%shared_slaves%member(contact%shared_slaves%first(n):contact%shared_slaves%first(n + 1) - 1))
-        if (size(own) < 2) cycle
-        if (all(contact%seam(own(2:)) /= SEAM_UNKNOWN)) cycle
-        if (.not. any([(are_over_masters(contact, slaves([own(i)]), is_wanted), i=1, size(own))])) cycle
-        do i = 1, size(own)
-          if (.not. is_wanted(slaves(own(i))%pair)) cycle
-          call mark_row_at_seam(contact%mortar(slaves(own(i))%pair), slaves(own(i))%row, is_found)
-        end do
-      end associate
-    end do
-  end subroutine mark_second_masters
-
-
-  !> Whether slaves at a node have rows over their masters.
-  pure logical function are_over_masters(contact, own, is_wanted) result(are_over)
-    type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: own(:)
-    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
-    integer :: i
-    are_over = all(is_wanted(own%pair))
-    if (are_over) are_over = all([(contact%mortar(own(i)%pair)%places(own(i)%row)%vertex > 0, i=1, size(own))])
-  end function are_over_masters
-
-
-  !> Merges the rows of all nodes in several pairs where the masters are coplanar. They are compared once in an increment, where a
-  !! node is first over both.
-  subroutine merge_rows_at_seams(contact, slaves, is_wanted, x)
-    type(contact_type), intent(inout) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)
-    logical, intent(in) :: is_wanted(:)            !< (n_pairs)
-    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    integer :: n, i, j
-    do n = 1, size(contact%shared_slaves%first) - 1
-      associate (own => contact%shared_slaves%member(contact%shared_slaves%first(n):contact%shared_slaves%first(n + 1) - 1))
-        do j = 2, size(own)
-          do i = 1, merge(j - 1, 0, contact%seam(own(j)) == SEAM_UNKNOWN)
-            if (are_over_masters(contact, slaves([own(i), own(j)]), is_wanted)) contact%seam(own(j)) = &
-              max(contact%seam(own(j)), compared(contact, slaves(own(i)), slaves(own(j)), x))
-          end do
-          do i = 1, merge(j - 1, 0, contact%seam(own(j)) == SEAM_COPLANAR)
-            if (are_over_masters(contact, slaves([own(i), own(j)]), is_wanted)) &
-              call merge_slaves(contact, slaves(own(i)), slaves(own(j)))
-          end do
-        end do
-      end associate
-    end do
-  end subroutine merge_rows_at_seams
-
-
-  !> SEAM_COPLANAR if the masters of two slaves at a node are coplanar there: their gaps are equal; else SEAM_STEP.
-  pure integer function compared(contact, s, t, x) result(seam)
-    type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: s, t     !< both over their masters
-    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
-    associate (a => contact%mortar(s%pair), b => contact%mortar(t%pair))
-      seam = merge(SEAM_COPLANAR, SEAM_STEP, abs(s%offset + dot_product(a%places(s%row)%normal, &
-        evaluate_relative_position(a%rows(s%row), x)) - t%offset - dot_product(b%places(t%row)%normal, &
-        evaluate_relative_position(b%rows(t%row), x))) <= MAX_COPLANAR_OFFSET * min(contact%edge(s%pair), contact%edge(t%pair)))
-    end associate
-  end function compared
-
-
-  !> Merges the rows of two slaves at a node.
-  subroutine merge_slaves(contact, s, t)
-    type(contact_type), intent(inout) :: contact
-    type(slave_state_type), intent(in) :: s, t
-    if (any(contact%is_removed([s%pair, t%pair]))) return
-    associate (a => contact%mortar(s%pair)%places(s%row), b => contact%mortar(t%pair)%places(t%row))
-      if (dot_product(a%normal, b%normal) <= MIN_PARALLEL_COSINE) return
-    end associate
-    call merge_rows(contact%mortar(s%pair), s%row, contact%mortar(t%pair), t%row)
-  end subroutine merge_slaves
 
 
   !> Rebuilds the grids of the masters that have moved too far since the last build within finite sliding.
@@ -693,8 +529,34 @@ contains
     end if
     slave%gap = slave%gap + slave%offset
     if (is_unseen(contact%facets(slave%pair), slave%node, slave%facet)) status = PROJECTION_OUTSIDE
+    if (status == PROJECTION_INSIDE .and. contact%has_fixed_geometry(slave%pair)) then
+      if (is_beside_body(contact%facets(slave%pair), x, slave, contact%slave_normal(:, s))) status = PROJECTION_OUTSIDE
+    end if
     if (status /= PROJECTION_INSIDE) call detach_slave(slave)
   end subroutine update_projection
+
+
+  !> Whether a node lies beyond a ridge of its facet whose other side does not face the slave: it passes beside the body. Small
+  !! displacements do not bring it over the facet. Where the other side faces the slave too, as at the edge of a wedge that is
+  !! pressed into it, the facet holds the node.
+  pure logical function is_beside_body(facets, x, slave, slave_normal) result(is_beside)
+    type(facets_type), intent(in) :: facets
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) coordinates that define weights and normals [length]
+    type(slave_state_type), intent(in) :: slave    !< with a facet
+    real(DP), intent(in) :: slave_normal(3)        !< outward; 0: unknown [-]
+    real(DP) :: excess(4)
+    integer :: k, n, nodes(MAX_FACE_NODES)
+    is_beside = .false.
+    if (allocated(facets%profile) .or. norm2(slave_normal) < 0.5_DP) return
+    excess = find_edge_excess(facets%kind(slave%facet), slave%xi)
+    do k = 1, 4
+      if (excess(k) <= MAX_BESIDE) cycle
+      if (facets%edge(k, slave%facet) /= EDGE_CONVEX) cycle
+      call facet_nodes(facets, facets%neighbour(k, slave%facet), n, nodes)
+      n = n_facet_corners(facets%kind(facets%neighbour(k, slave%facet)))
+      is_beside = is_beside .or. dot_product(plane_normal(x(:, nodes(:n)), n == 2), slave_normal) > -MIN_RIDGE_COSINE
+    end do
+  end function is_beside_body
 
 
   !> Searches the facet of a node. In self contact it sees those that oppose its current normal.

@@ -14,7 +14,7 @@ module amontons_shared_slave_nodes
   implicit none
   private
   public :: MIN_FREE_PART
-  public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, are_shared, have_others, resize_shared_slaves, &
+  public :: shared_slaves_type, reachable_nodes_type, find_shared_slaves, are_shared, resize_shared_slaves, &
     order_slave_levels, free_projector, support_free_projector, global_axes, is_friction_in_other_pair, MIN_PARALLEL_COSINE
 
   real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this constrain the same direction [-]
@@ -27,6 +27,7 @@ module amontons_shared_slave_nodes
     logical :: has_multi_pair_nodes = .false.           !< nodes are slaves in several exact pairs
     integer :: n_levels = 1
     integer, allocatable :: level(:)           !< (n_slaves) from 1
+    integer, allocatable :: pair(:)                !< (n_slaves)
     logical, allocatable :: is_hard_pair(:)        !< (n_slaves) of a HARD pair: force from the balance of its node
     integer, allocatable :: first(:)           !< (n_nodes + 1) start of a node's slaves in member(:)
     integer, allocatable :: member(:)          !< slaves of all nodes, ascending
@@ -35,7 +36,7 @@ module amontons_shared_slave_nodes
   !> The nodes to which each slave may give a force within an increment, except its own under exact contact.
   type :: reachable_nodes_type
     integer, allocatable :: first(:)           !< (n_slaves + 1) start of a slave's nodes in nodes(:)
-    integer, allocatable :: nodes(:)
+    integer, allocatable :: nodes(:)               !< negative: of its own surface, a force that does not act on slaves of its pair
     integer, allocatable :: side_first(:)      !< (n_slaves + 1) self contact: start of the slaves beside a slave on its surface
     integer, allocatable :: side(:)
   end type reachable_nodes_type
@@ -51,6 +52,7 @@ contains
     type(shared_slaves_type), intent(out) :: shared
     integer :: s, p
     allocate (shared%level(size(slaves)), source=1)
+    shared%pair = slaves%pair
     shared%is_hard_pair = is_exact(slaves%pair)
     call list_groups(merge(slaves%node, 0, shared%is_hard_pair), n_nodes, shared%first, shared%member)
     shared%has_multi_pair_nodes = any(shared%first(2:) > shared%first(:n_nodes) + 1)
@@ -77,22 +79,6 @@ contains
   end function are_shared
 
 
-  !> Whether other slaves of its node may touch, for each slave. Cost: linear.
-  pure function have_others(shared, may_touch) result(has_other)
-    type(shared_slaves_type), intent(in) :: shared
-    logical, intent(in) :: may_touch(:)            !< (n_slaves)
-    logical :: has_other(size(may_touch))
-    integer :: node, n
-    has_other = .false.
-    do node = 1, size(shared%first) - 1
-      associate (own => shared%member(shared%first(node):shared%first(node + 1) - 1))
-        n = count(may_touch(own))
-        has_other(own) = n > 1 .or. (n == 1 .and. .not. may_touch(own))
-      end associate
-    end do
-  end function have_others
-
-
   !> Adapts the arrays to a new number of slaves; the new ones are of compliant pairs and are not listed at nodes.
   subroutine resize_shared_slaves(shared, n)
     type(shared_slaves_type), intent(inout) :: shared
@@ -100,6 +86,7 @@ contains
     integer :: m
     m = min(n, size(shared%level))
     shared%level = [shared%level(:m), spread(1, 1, n - m)]
+    shared%pair = [shared%pair(:m), spread(0, 1, n - m)]
     shared%is_hard_pair = [shared%is_hard_pair(:m), spread(.false., 1, n - m)]
   end subroutine resize_shared_slaves
 
@@ -224,7 +211,8 @@ contains
     if (.not. allocated(list)) allocate (list(2 * size(shared%level)))
     n = 0
     do i = reach%first(s), reach%first(s + 1) - 1
-      do k = shared%first(reach%nodes(i)), shared%first(reach%nodes(i) + 1) - 1
+      do k = shared%first(abs(reach%nodes(i))), shared%first(abs(reach%nodes(i)) + 1) - 1
+        if (reach%nodes(i) < 0 .and. shared%pair(shared%member(k)) == shared%pair(s)) cycle
         n = n + 1
         if (n > size(list)) list = [list, list]
         list(n) = shared%member(k)

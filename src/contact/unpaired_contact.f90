@@ -44,6 +44,7 @@ module amontons_unpaired_contact
     integer, allocatable :: master_first(:), master_pair(:)   !< the same for masters
     integer, allocatable :: node_first(:), node_face(:)       !< faces of which each node is a corner, in compressed lists
     real(DP), allocatable :: checked_u(:, :)       !< (3, n_nodes) displacements at the last crossing check [length]
+    real(DP), allocatable :: clear_u(:, :)         !< (3, n_nodes) the same, with no driven sheets near each other [length]
     logical, allocatable :: may_cross(:, :)        !< (n_bodies, n_bodies) they crossed at the start or while a pair was removed
     logical :: is_free_of_crossings = .false.      !< the last attempt was checked for crossings, and there was none
   end type model_faces_type

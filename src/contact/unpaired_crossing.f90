@@ -16,7 +16,8 @@
 !! count from 0.14 of an edge on, and not at a node that touches.
 !!
 !! Two rigid bodies that supports drive have no pair in general contact, because no force moves them. A node of one passes through
-!! the other where it comes behind a face, or an analytic surface, by the depth of a crossing since the last check.
+!! the other where it comes behind a face, or an analytic surface, by the depth of a crossing since the last check. A sheet has both
+!! sides: it is passed by a node that was clear of it before on the one side and is now on the other.
 !!
 !! Under NLGEOM an attempt with a crossing is repeated with a shorter increment, while that is longer than the crossing is deep.
 !!
@@ -49,6 +50,7 @@ module amontons_unpaired_crossing
   real(DP), parameter :: MIN_PAIR_CROSSING = 0.14_DP       !< the same of a pair by hand: chords of 60 degrees are off by 0.13 [-]
   real(DP), parameter :: MIN_STEEPNESS = 0.25_DP           !< normal part of a path that crosses a face, over its length [-]
   real(DP), parameter :: MAX_BORDER_DEPTH = 0.25_DP        !< of a known crossing behind the face beside, over its edge [-]
+  real(DP), parameter :: TOL_SIDE = 1.0e-4_DP              !< a node lies in a sheet up to this part of that depth [-]
   real(DP), parameter :: MAX_MEAN_DEPTH = 0.25_DP          !< of a crossing where a mortar pair is open, over the larger edge [-]
 
   !> Two faces, one of which the body of the other passed through.
@@ -63,8 +65,10 @@ module amontons_unpaired_crossing
   type :: scene_type
     type(general_contact_type) :: rules
     real(DP), allocatable :: x(:, :), du(:, :)     !< (3, n_nodes) positions, and displacements of the last increment [length]
-    real(DP) :: span = 0                           !< bound of the motion of nodes relative to each other in it [length]
+    real(DP) :: span = 0  !< bound of the motion of nodes relative to each other in it, and since the last check [length]
     real(DP), allocatable :: way(:, :)             !< (3, n_nodes) displacements since the last check [length]
+    real(DP), allocatable :: clear_way(:, :)       !< (3, n_nodes) the same since no driven sheets were near each other [length]
+    logical :: has_near_sheets = .false.           !< two driven sheets are nearer than the depth of a crossing
     logical, allocatable :: is_absent(:)           !< (n_elements) removed
     real(DP), allocatable :: penetration(:)        !< (n_nodes) of slave nodes that touch; negative: the node does not [length]
     logical, allocatable :: is_mortar(:)           !< (n_pairs) surface to surface
@@ -90,6 +94,7 @@ contains
     if (present(is_driven)) is_driven = .false.
     if (.not. allocated(model%general_contact) .and. all(is_self_contact(model%pairs))) return
     if (.not. allocated(faces%checked_u)) faces%checked_u = 0 * u
+    if (.not. allocated(faces%clear_u)) faces%clear_u = 0 * u
     least = least_crossing(model, faces)
     if (max(span(u - faces%checked_u), span(du)) < least) return
     call place_faces(model, faces, u, step)
@@ -100,6 +105,7 @@ contains
       scene%x = model%mesh%coordinates
       scene%du = 0 * du
       scene%way = 0 * du
+      scene%clear_way = 0 * du
       scene%is_absent = absent_elements(model, 1)
       allocate (scene%penetration(model%mesh%n_nodes), source=-1.0_DP)
       allocate (scene%is_acting(size(model%pairs)), source=.true.)
@@ -107,8 +113,10 @@ contains
     end if
     scene%x = model%mesh%coordinates + u
     scene%du = du
-    scene%span = displacement_span(model, du)
     scene%way = u - faces%checked_u
+    scene%span = max(displacement_span(model, du), displacement_span(model, scene%way))
+    scene%clear_way = u - faces%clear_u
+    scene%has_near_sheets = .false.
     scene%is_absent = absent_elements(model, step)
     scene%penetration = measure_penetrations(model, slaves)
     scene%is_acting = acting_pairs(model%pairs, slaves, least)
@@ -121,6 +129,7 @@ contains
       return
     end if
     faces%checked_u = u
+    if (.not. scene%has_near_sheets) faces%clear_u = u
     if (all(scene%is_acting)) return
     scene%is_acting = .not. scene%is_acting
     call permit_crossings(scene, faces, faces%now)
@@ -180,7 +189,7 @@ contains
 
   !> Bodies that cross now may do so from now on.
   subroutine permit_crossings(scene, faces, now)
-    type(scene_type), intent(in) :: scene
+    type(scene_type), intent(inout) :: scene
     type(model_faces_type), intent(inout) :: faces !< its may_cross
     type(exterior_type), intent(in) :: now         !< measured at x
     type(crossing_type) :: crossing
@@ -196,7 +205,7 @@ contains
 
   !> Finds the first crossing of bodies that may not cross.
   subroutine find_crossing(scene, faces, now, crossing)
-    type(scene_type), intent(in) :: scene
+    type(scene_type), intent(inout) :: scene
     type(model_faces_type), intent(in) :: faces
     type(exterior_type), intent(in) :: now         !< measured at x
     type(crossing_type), intent(out) :: crossing
@@ -306,7 +315,7 @@ contains
 
   !> Whether an edge of a face, or the path of a corner, passes through another face although contact is to keep them apart.
   subroutine cross_face(scene, faces, now, f, m, crossing)
-    type(scene_type), intent(in) :: scene
+    type(scene_type), intent(inout) :: scene
     type(model_faces_type), intent(in) :: faces
     type(exterior_type), intent(in) :: now
     integer, intent(in) :: f                       !< face whose edges and corners are looked at
@@ -314,9 +323,10 @@ contains
     type(crossing_type), intent(inout) :: crossing !< set where they do
     integer :: k, n, ends(2)
     real(DP) :: corner(3, 4), point(3), motion(3), least, depth
-    logical :: is_crossed, is_driven
+    logical :: is_crossed, is_driven, is_sheet
     least = MIN_CROSSING * min(now%edge_length(f), now%edge_length(m))
-    is_driven = are_driven(faces, now, [f, m]) .and. .not. is_thin(now%depth(m), now%edge_length(m))
+    is_driven = are_driven(faces, now, [f, m])
+    is_sheet = is_driven .and. is_thin(now%depth(m), now%edge_length(m))
     associate (own => now%nodes(now%first(f):now%first(f) + now%n_corners(f) - 1), &
       nodes => now%nodes(now%first(m):now%first(m) + now%n_corners(m) - 1), x => scene%x, du => scene%du)
       n = size(nodes)
@@ -330,13 +340,18 @@ contains
           if (depth >= least) call judge_crossing(scene, faces, now, ends, [f, m], point, depth, crossing)
         end if
         if (crossing%face(1) == 0) then
-          if (is_driven) then
+          depth = dot_product(now%normal(:, m), now%centre(:, m) - x(:, own(k)))
+          if (is_sheet) then
+            if (abs(depth) < least) scene%has_near_sheets = .true.
+            motion = sum(scene%clear_way(:, nodes), dim=2) / real(n, DP)
+            call cross_on_path(corner(:, :n), x(:, own(k)), scene%clear_way(:, own(k)) - motion, least, TOL_SIDE * least, &
+              is_crossed, point)
+          else if (is_driven) then
             motion = sum(scene%way(:, nodes), dim=2) / real(n, DP)
             call cross_on_path(corner(:, :n), x(:, own(k)), scene%way(:, own(k)) - motion, least, -least, is_crossed, point)
           else
             call cross_on_path(corner(:, :n), x(:, own(k)), du(:, own(k)) - motion, least, least, is_crossed, point)
           end if
-          depth = dot_product(now%normal(:, m), now%centre(:, m) - x(:, own(k)))
           if (is_crossed) call judge_crossing(scene, faces, now, [own(k), own(k)], [f, m], point, depth, crossing)
         end if
         if (crossing%face(1) > 0) return

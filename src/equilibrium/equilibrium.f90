@@ -27,7 +27,7 @@ module amontons_equilibrium
   use amontons_schur_interface, only: schur_interface_type
   use amontons_contact_preconditioner, only: skin_type
   use amontons_free_rigid_motions, only: free_motions_type
-  use amontons_constraints, only: constraints_type, condense_forces
+  use amontons_constraints, only: constraints_type, condense_forces, build_condensation_matrix
   use amontons_nonlinear_mpc, only: extract_support_reactions, list_hessian_nodes, find_rotation_lengths
   use amontons_boundary_conditions, only: build_base_constraints
   use amontons_inertia, only: add_inertia_force
@@ -40,6 +40,7 @@ module amontons_equilibrium
   use amontons_user_elements, only: user_unknowns
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
   use amontons_contact_step, only: begin_contact_step
+  use amontons_midside_constraints, only: hold_all_midsides, begin_midsides, update_midsides
   use amontons_contact_pairs, only: contact_type, create_contact, set_free_directions, current_row, &
     renew_searches
   use amontons_contact_evaluation, only: evaluate_contact
@@ -56,7 +57,7 @@ module amontons_equilibrium
   public :: max_components, nodal_norms
   public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: mean_diagonal_stiffness, is_matrix_free_step, has_moving_supports, evaluate_points
-  public :: undivide_matrix, update_base_constraints, discard_bulk_factor, discard_matrices, &
+  public :: undivide_matrix, update_base_constraints, update_midside_constraints, discard_bulk_factor, discard_matrices, &
     interface_unknowns, n_interface_unknowns
   public :: OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, &
     OUTCOME_CONSTRAINTS
@@ -309,6 +310,7 @@ contains
     system%reduced_system%use = merge(USE_REPEATED, USE_ONCE, size(state%old%slaves) > 0 .or. &
       (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period))
     if (size(state%old%slaves) == 0 .and. .not. system%is_constant) system%reduced_system%use = USE_NEWTON
+    call hold_all_midsides(system%contact%midsides)   ! which follow changes within the step
     call update_base_constraints(system, model, step, state%old, error)
     if (allocated(error)) return
     call prepare_matrix(system, model, error)
@@ -433,6 +435,8 @@ contains
     type(step_type), intent(in) :: step
     logical, intent(in) :: is_step_start
     type(state_type), intent(inout) :: state
+    integer :: outcome                             ! a conflict is found again by the next constraints
+    logical :: is_changed
     system%is_first_direction = .true.
     system%reduced_system%is_reusable = .false.    ! a resumed job has no factor
     call set_temperatures(model, step, state)
@@ -441,6 +445,8 @@ contains
     call update_points(system%contact, model, state)
     if (.not. system%is_constant) system%is_assembled = .false.
     call initialize_contact(system%contact, model, step%is_nlgeom, is_step_start, system%u_start, state%new)
+    call begin_midsides(system%contact%midsides, state%new%slaves, is_changed)
+    if (is_changed .and. allocated(system%base%owner)) call renew_base_constraints(system, model, step, state, outcome)
     call update_bulk_validity(system, model, step, is_step_start, state)
   end subroutine begin_increment
 
@@ -452,7 +458,7 @@ contains
     type(step_type), intent(in) :: step
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
-    call build_base_constraints(system%base, model, step, fields, system%u_start, system%contact%midside_constraints, &
+    call build_base_constraints(system%base, model, step, fields, system%u_start, system%contact%midsides%held, &
       system%has_no_element, &
       system%mpc_violation, error)
   end subroutine update_base_constraints
@@ -470,6 +476,45 @@ contains
     outcome = merge(OUTCOME_CONSTRAINTS, OUTCOME_OK, allocated(error))
     call move_alloc(error, system%conflict)
   end subroutine prescribe_here
+
+
+  !> At a converged iterate: lets the mid-side nodes beside closed corners follow them, and no others. If these are other ones than
+  !! before, the iterate is evaluated again and is no equilibrium.
+  subroutine update_midside_constraints(system, model, step, state, is_changed, outcome)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    logical, intent(out) :: is_changed
+    integer, intent(out) :: outcome                !< OUTCOME_...
+    outcome = OUTCOME_OK
+    call update_midsides(system%contact%midsides, state%new%slaves, is_changed)
+    if (.not. is_changed) return
+    call renew_base_constraints(system, model, step, state, outcome)
+    if (outcome == OUTCOME_OK) call evaluate_equilibrium(system, model, step, state, outcome, is_frozen=.false.)
+  end subroutine update_midside_constraints
+
+
+  !> The base constraints after a change of their rows within a step, and what depends on these rows.
+  subroutine renew_base_constraints(system, model, step, state, outcome)
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(in) :: state
+    integer, intent(out) :: outcome                !< OUTCOME_OK or OUTCOME_CONSTRAINTS
+    type(error_type), allocatable :: error
+    call prescribe_here(system, model, step, state%new, outcome)
+    if (outcome == OUTCOME_OK .and. system%contact%shared_slaves%has_reaction_chains) then
+      call build_condensation_matrix(system%base, system%contact%force_condensation, error)
+      if (allocated(error)) outcome = OUTCOME_CONSTRAINTS
+      if (allocated(error)) call move_alloc(error, system%conflict)
+    end if
+    system%reduced_system%is_reusable = .false.
+    system%schur_interface%is_analysed = .false.
+    call discard_bulk_factor(system)
+    if (allocated(system%is_interface_unknown)) system%is_interface_unknown = system%is_interface_unknown .or. &
+      interface_unknowns(system, model, state%new, .not. step%is_nlgeom)
+  end subroutine renew_base_constraints
 
 
   !> Imbalance, contact and residual at state%new%u: forces only.

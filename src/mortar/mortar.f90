@@ -26,10 +26,10 @@ module amontons_mortar
   private
   public :: mortar_type, mortar_node_type, create_mortar, unify_imbalance_weights, add_pretension_rows, integrate_mortar, &
     mark_row_at_seam, build_rows, end_rows_at_edges, merge_rows, n_imbalance_nodes, vertices_of, &
-    find_search_margin, rotate_with_normal, differentiate_rotation, fill_slave_part, redistribute_functions, evaluate_transfer_slope
+    find_search_margin, find_mean_distance, rotate_with_normal, differentiate_rotation, fill_slave_part, redistribute_functions, &
+    evaluate_transfer_slope
 
-  real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP  !< a slave node with a smaller covered fraction of its area has no row
-                                                           !! [-]
+  real(DP), parameter :: MIN_COVERED_FRACTION = 1.0e-3_DP  !< a slave node has a row from this covered fraction of its area on [-]
   real(DP), parameter :: MIN_COUNTED_FRACTION = 1.0e-9_DP       !< with a smaller one it is not covered at all [-]
   real(DP), parameter :: MIN_COVER_RATIO = 0.5_DP  !< least covered fraction of a covered vertex over the best at its node [-]
   real(DP), parameter :: MAX_EXCESS = 0.1_DP  !< a slave node is over a master facet up to this fraction of an edge beyond it [-]

@@ -17,6 +17,7 @@ module amontons_convergence
   type :: convergence_measures_type
     integer :: iteration = 0
     integer :: n_approaching = 0                   !< iterations that moved a loose body towards a support: limits do not count them
+    integer :: n_renewed = 0                       !< others before mid-side nodes began or ended to follow: limits count from there
     real(DP) :: residual(0:2) = 0                  !< now, one and two iterations before, over the largest force [-]
     real(DP) :: residual_at_gap = 0                            !< residual with compliant laws at the actual gap, over the
                                                                !! largest force [-]
@@ -56,10 +57,11 @@ contains
   end function assess_convergence
 
 
-  !> Iterations of the attempt that count for the limits: all but those that moved a loose body towards a support.
+  !> Iterations of the attempt that count for the limits: all but those that moved a loose body towards a support, and those before
+  !! a change of the mid-side nodes that follow.
   pure integer function n_counted(measures) result(n)
     type(convergence_measures_type), intent(in) :: measures
-    n = measures%iteration - measures%n_approaching
+    n = measures%iteration - measures%n_approaching - measures%n_renewed
   end function n_counted
 
 

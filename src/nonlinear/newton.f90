@@ -21,7 +21,7 @@ module amontons_newton
     STEP_KIND_SNAP_THROUGH
   use amontons_contact_rounds, only: contact_rounds_type, perform_round, round_controls
   use amontons_equilibrium, only: equilibrium_type, begin_increment, evaluate_equilibrium, residual_sizes, &
-    max_components, &
+    max_components, update_midside_constraints, &
     OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING
   use amontons_newton_step, only: set_proximal_shift
   use amontons_boundary_conditions, only: support_powers
@@ -247,9 +247,31 @@ contains
       verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, n_counted(newton%measures) < controls%i_c)
     if (step%line_search == LINE_SEARCH_AUTO .or. step%solver == SOLVER_GRADIENTS) &
       call treat_cycles(newton, system, model, step, state, verdict)
+    if (verdict == VERDICT_CONVERGED) call treat_midsides(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call check_tunnelling(newton, system, model, controls%newton, state, verdict)
     if (verdict == VERDICT_CONVERGED) newton%force_scale = max(newton%force_scale, system%largest_force)
   end subroutine assess_iterate
+
+
+  !> Mid-side nodes of slave faces follow their corners where these are closed at the converged iterate. If others did before, the
+  !! iterations continue, and their limits count from here.
+  subroutine treat_midsides(newton, system, model, step, state, verdict)
+    type(newton_type), intent(inout) :: newton
+    type(equilibrium_type), intent(inout) :: system
+    type(model_type), intent(in) :: model
+    type(step_type), intent(in) :: step
+    type(state_type), intent(inout) :: state
+    integer, intent(inout) :: verdict
+    logical :: is_changed
+    call update_midside_constraints(system, model, step, state, is_changed, newton%outcome)
+    if (.not. is_changed) return
+    newton%rounds%is_unchanged = .false.
+    verdict = VERDICT_DIVERGES
+    if (newton%outcome /= OUTCOME_OK) return
+    call record_residual(newton, system, residual_sizes(system, state%new%u), step%controls)
+    newton%measures%n_renewed = newton%measures%iteration - newton%measures%n_approaching
+    verdict = VERDICT_CONTINUE
+  end subroutine treat_midsides
 
 
   !> The controls of Newton iterations, or of rounds.

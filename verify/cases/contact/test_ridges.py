@@ -76,7 +76,7 @@ def test_sliding_over_a_ridge(run_deck: Run, tmp_path: Path, angle: float, diale
 
 
 @pytest.mark.parametrize("dialect", ["abaqus", "calculix"])
-@pytest.mark.parametrize(("height", "is_nlgeom"), [(0.1, True), (-0.1, True), (-0.1, False)])
+@pytest.mark.parametrize(("height", "is_nlgeom"), [(0.1, True), (0.1, False), (-0.1, True), (-0.1, False)])
 def test_face_beside_a_ridge(run_deck: Run, tmp_path: Path, height: float, dialect: str, *, is_nlgeom: bool) -> None:
     """The slave is beside the body by 0.05 and comes down from above its top or from below it: the top ends at the ridge."""
     done = run_deck(ridge_deck(90, (0.05 + SIZE, height), (0.0, -0.15), 5, is_nlgeom=is_nlgeom, dialect=dialect))

@@ -214,7 +214,7 @@ NOT_CONVERGED = 5  #: exit status of a job that ends early
 
 
 @pytest.mark.parametrize("is_nlgeom", [False, True])
-@pytest.mark.parametrize(("lower", "upper"), [("solid", "solid"), ("sheet", "solid"), ("solid", "sheet")])
+@pytest.mark.parametrize(("lower", "upper"), [("solid", "solid"), ("sheet", "solid"), ("solid", "sheet"), ("sheet", "sheet")])
 def test_driven_bodies(run_deck: Run, tmp_path: Path, lower: str, upper: str, *, is_nlgeom: bool) -> None:
     """Supports prescribe the motion of both: no force can move them. Before they meet all is well, and as soon as they do the job ends, as with any other
     contact; with an exclusion they may pass."""
@@ -237,6 +237,19 @@ def test_driven_bodies(run_deck: Run, tmp_path: Path, lower: str, upper: str, *,
     rules = f"*SURFACE, NAME=A\n{sides}*CONTACT\n*CONTACT INCLUSIONS, ALL EXTERIOR\n*CONTACT EXCLUSIONS\nA,\n, A\n"
     result, said = solve(run_deck, tmp_path, deck(lower, upper, rules, supports=supports.format(-2 * GAP), loads="900, 1, 6\n", is_nlgeom=is_nlgeom))
     assert result[3][2] == pytest.approx(-2 * GAP * SPRING, rel=EQUAL)
+
+
+@pytest.mark.parametrize("is_nlgeom", [False, True])
+@pytest.mark.parametrize(("step", "ways"), [(0.01, (0.6, -0.3)), (0.5, (-0.1, 0.3)), (0.02, (-0.099, 0.3)), (0.01, (-0.101, 0.3))])
+def test_driven_sheets(run_deck: Run, tmp_path: Path, step: float, ways: tuple[float, float], *, is_nlgeom: bool) -> None:
+    """Two steps, in short increments or long ones: the job ends where the sheets pass each other, not where they part after a near approach, and not where
+    one is deeper in the other by less than a crossing."""
+    supports = f"900, 1, 6\n901, 1, 2\n901, 3, 3, {ways[0]}\n901, 4, 6\n"
+    text = deck("sheet", "sheet", supports=supports, loads="900, 1, 6\n", is_nlgeom=is_nlgeom).replace("0.5, 1.\n", f"{step}, 1., {step}, {step}\n")
+    second = f"*STEP, INC=1000{', NLGEOM' if is_nlgeom else ''}\n*STATIC\n{step}, 1., {step}, {step}\n*BOUNDARY\n901, 3, 3, {ways[1]}\n*END STEP\n"
+    done = run_deck(text.replace("*STEP", "*STEP, INC=1000", 1).replace("INC=1000, NLGEOM", "NLGEOM, INC=1000") + second)
+    assert done.returncode == (NOT_CONVERGED if ways[1] < 0 else 0), done.stdout
+    assert ("passed through element" in done.stdout) is (ways[1] < 0)
 
 
 def test_driven_bodies_that_overlap(run_deck: Run, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ program test_shared_slave_nodes
   use amontons_slave_node_overrides, only: gives_way, NODE_OVERRIDE_EXTENDED
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_STICK
   use amontons_shared_slave_nodes, only: shared_slaves_type, reachable_nodes_type, find_shared_slaves, resize_shared_slaves, &
-    are_shared, have_others, &
+    are_shared, &
     order_slave_levels, free_projector, support_free_projector, global_axes, is_friction_in_other_pair
   use check, only: suite_type
   implicit none
@@ -38,7 +38,7 @@ contains
   end subroutine make_pairs
 
 
-  !> Node 1 has slaves of three pairs, of which one, two or none may touch; node 2 has a slave of one pair.
+  !> Node 1 has slaves of three pairs; node 2 has a slave of one pair.
   subroutine check_others()
     type(slave_state_type), allocatable :: slaves(:)
     type(facets_type), allocatable :: facets(:)
@@ -48,9 +48,6 @@ contains
     call suite%that('slaves of others', all(are_shared(shared, [1, 2, 3], .false.) .eqv. [.true., .false., .false.]))
     call suite%that('slaves of others in self contact', all(are_shared(shared, [2, 1], .true.)))
     call suite%that('slaves of no others in self contact', .not. any(are_shared(shared, [2, 3], .true.)))
-    call suite%that('none', .not. any(have_others(shared, [.false., .true., .false., .false.])))
-    call suite%that('one', all(have_others(shared, [.true., .true., .false., .false.]) .eqv. [.false., .false., .true., .true.]))
-    call suite%that('two', all(have_others(shared, [.true., .true., .false., .true.]) .eqv. [.true., .false., .true., .true.]))
   end subroutine check_others
 
 
@@ -102,6 +99,17 @@ contains
     call order_slave_levels(slaves, [.false., .false.], reach, shared)
     call suite%that('circle: none over a law', .not. any(gives_way(slaves%overrides)))
     call suite%that('circle: what the law gives comes first', shared%level(1) > shared%level(2))
+    call make_pairs([1, 2], [3, 3], slaves, facets)
+    slaves%pair = 1
+    reach%nodes = [-2, -1]                         ! of its own surface
+    facets(1)%nodes = [1]                          ! as if reactions were passed on
+    call find_shared_slaves(3, slaves, facets, [.true., .true.], shared)
+    call order_slave_levels(slaves, [.false., .false.], reach, shared)
+    call suite%that('circle: none in a surface', .not. any(gives_way(slaves%overrides)) .and. all(shared%level == 1))
+    slaves(2)%pair = 2
+    call find_shared_slaves(3, slaves, facets, [.true., .true.], shared)
+    call order_slave_levels(slaves, [.false., .false.], reach, shared)
+    call suite%that('circle: but over another pair', all(gives_way(slaves%overrides) .eqv. [.false., .true.]))
   end subroutine check_circle
 
 
