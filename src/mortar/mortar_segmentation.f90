@@ -116,7 +116,8 @@ contains
       if (is_beyond_reach(own, front, segmentation%plane, search_distance)) cycle
       call intersect_facets(own, front, segmentation%plane, segmentation%points, segment)
       if (segment%master == 0) cycle
-      if (abs(segment%distance) > search_distance .or. is_hidden_behind(master, list(k), segment%distance)) then
+      if (abs(segment%distance) > search_distance .or. is_hidden_behind(master, list(k), segment%distance) .or. &
+        is_behind_body(segment, segmentation%plane, master, master_planes, list(:n_list), x)) then
         segmentation%points%n = segment%first - 1
         cycle
       end if
@@ -262,6 +263,49 @@ contains
     is_facing_plane = dot_product(other%normal, plane%normal) <= -MIN_ROW_COSINE .and. abs(distance) <= search_distance
     if (search_distance < huge(1.0_DP)) is_facing_plane = is_facing_plane .and. .not. is_hidden_behind(master, g, distance)
   end function is_facing_plane
+
+
+  !> Whether a slave facet lies behind a master facet, by more than its size, but not in the body: on the way from the slave facet the
+  !! body begins at another master facet. So a hook in front of a catch does not touch the catch's back.
+  pure logical function is_behind_body(segment, plane, master, master_planes, list, x)
+    type(mortar_segment_type), intent(in) :: segment
+    type(projection_plane_type), intent(in) :: plane   !< of the slave facet
+    type(facets_type), intent(in) :: master
+    type(projection_plane_type), intent(in) :: master_planes(:)   !< (master%n)
+    integer, intent(in) :: list(:)                 !< master facets that are near
+    real(DP), intent(in) :: x(:, :)
+    real(DP) :: middle(2), start(3), corners(2, 4), cosine, way
+    integer :: k, n
+    is_behind_body = .false.
+    if (segment%distance >= -2 * master_planes(segment%master)%radius .or. allocated(master%unseen)) return
+    middle = sum(segment%cut(:, :segment%n), dim=2) / real(segment%n, DP)
+    if (is_line_facet(master%kind(segment%master))) middle(2) = 0.5_DP
+    start = plane%origin + middle(1) * plane%axes(:, 1)
+    if (.not. is_line_facet(master%kind(segment%master))) start = start + middle(2) * plane%axes(:, 2)
+    do k = 1, size(list)
+      cosine = dot_product(master_planes(list(k))%normal, plane%normal)
+      if (cosine <= 0.0_DP) cycle
+      way = dot_product(start - master_planes(list(k))%origin, master_planes(list(k))%normal) / cosine
+      if (way <= 0.0_DP .or. way >= -segment%distance) cycle
+      call project_facet_corners(plane, master, list(k), x, corners, n)
+      is_behind_body = is_in_polygon(middle, corners(:, :n))
+      if (is_behind_body) return
+    end do
+  end function is_behind_body
+
+
+  !> Whether a point is in a convex polygon, whose corners run counterclockwise.
+  pure logical function is_in_polygon(point, corners)
+    real(DP), intent(in) :: point(2), corners(:, :)
+    real(DP) :: edge(2), to_point(2)
+    integer :: i
+    is_in_polygon = .true.
+    do i = 1, size(corners, 2)
+      edge = corners(:, mod(i, size(corners, 2)) + 1) - corners(:, i)
+      to_point = point - corners(:, i)
+      is_in_polygon = is_in_polygon .and. edge(1) * to_point(2) - edge(2) * to_point(1) >= 0.0_DP
+    end do
+  end function is_in_polygon
 
 
   !> Whether the projections of two facets are certainly apart, by the circles around their corners.

@@ -23,6 +23,7 @@ program test_mortar_segmentation
     call check_cover(kind)
   end do
   call check_order_and_depth()
+  call check_body_between()
   call suite%finish()
 
 contains
@@ -129,5 +130,40 @@ contains
     plane%depth = -1
     call suite%near('circle', find_depth(plane, [2.0_DP, 1.0_DP, 0.0_DP]), 4 * PI, 1.0e-14_DP)
   end subroutine check_order_and_depth
+
+
+  !> A slave facet that looks up, and behind it, three edges below, the lower side of a body: it is seen from within the body, but not
+  !! where the body's upper side lies between; that side farther down, or beside the slave, hides nothing.
+  subroutine check_body_between()
+    call suite%that('in the body', n_segments(-5.0_DP, 0.0_DP) == 1)
+    call suite%that('outside, above the body', n_segments(-1.0_DP, 0.0_DP) == 0)
+    call suite%that('the upper side is beside it', n_segments(-1.0_DP, 1.5_DP) == 1)
+  end subroutine check_body_between
+
+
+  !> Masters of a unit square at z = 0: a square at z = -3 that looks down, if it is seen; and one that looks up.
+  integer function n_segments(upper, beside)
+    real(DP), intent(in) :: upper, beside          !< z of the one that looks up, and its shift along x
+    type(mesh_type) :: mesh
+    type(facets_type) :: slave, master
+    type(facet_search_type) :: search
+    type(segmentation_type) :: segmentation
+    type(error_type), allocatable :: error
+    integer, allocatable :: element(:), face(:)
+    real(DP), parameter :: SQUARE(3, 4) = reshape([real(DP) :: 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0], [3, 4])
+    real(DP) :: x(3, 12)
+    x = reshape([SQUARE, SQUARE, SQUARE], [3, 12])
+    x(3, 5:8) = -3
+    x(3, 9:) = upper
+    x(1, 9:) = x(1, 9:) + beside
+    call mesh_of_facets(FACET_QUAD4, x, reshape([1, 2, 3, 4, 8, 7, 6, 5, 9, 10, 11, 12], [4, 3]), mesh, element, face)
+    call build_facets(mesh, element(:1), face(:1), slave, error)
+    if (.not. allocated(error)) call build_facets(mesh, element(2:), face(2:), master, error)
+    call suite%that('facets', .not. allocated(error))
+    call build_facet_search(master, mesh%coordinates, 6.0_DP, search)
+    call build_segmentation(slave, 1, 1.0_DP, master, build_projection_planes(master, mesh%coordinates), search, mesh%coordinates, &
+      6.0_DP, segmentation)
+    n_segments = segmentation%n
+  end function n_segments
 
 end program test_mortar_segmentation
