@@ -265,8 +265,8 @@ contains
   end function is_facing_plane
 
 
-  !> Whether a slave facet lies behind a master facet, by more than its size, but not in the body: on the way from the slave facet the
-  !! body begins at another master facet. So a hook in front of a catch does not touch the catch's back.
+  !> Whether a slave facet lies behind a master facet, by more than its size, but not in the body: on the way from the slave facet
+  !! the body begins at another master facet. So a hook in front of a catch does not touch the catch's back.
   pure logical function is_behind_body(segment, plane, master, master_planes, list, x)
     type(mortar_segment_type), intent(in) :: segment
     type(projection_plane_type), intent(in) :: plane   !< of the slave facet

@@ -132,8 +132,8 @@ contains
   end subroutine check_order_and_depth
 
 
-  !> A slave facet that looks up, and behind it, three edges below, the lower side of a body: it is seen from within the body, but not
-  !! where the body's upper side lies between; that side farther down, or beside the slave, hides nothing.
+  !> A slave facet that looks up, and behind it, three edges below, the lower side of a body: it is seen from within the body, but
+  !! not where the body's upper side lies between; that side farther down, or beside the slave, hides nothing.
   subroutine check_body_between()
     call suite%that('in the body', n_segments(-5.0_DP, 0.0_DP) == 1)
     call suite%that('outside, above the body', n_segments(-1.0_DP, 0.0_DP) == 0)
