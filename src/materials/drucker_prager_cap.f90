@@ -171,7 +171,7 @@ contains
     if (.not. abs(dv) > 0) return
     search%low = min(0.0_DP, dv)
     search%high = max(0.0_DP, dv)
-    search%scale = abs(dv)
+    search%scale = w * max(abs(problem%p_trial), abs(p_a))   ! what rounding of the pressure is in the compaction
     do i = 0, MAX_ROOT_ITERATIONS
       dv = search%x
       call find_cap(material, problem, dv, p_a, slope)

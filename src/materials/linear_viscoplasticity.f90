@@ -133,7 +133,7 @@ contains
   !> The root of the yield condition.
   pure subroutine solve_flow(problem, now, status)
     type(linear_problem_type), intent(in) :: problem
-    type(linear_flow_type), intent(inout) :: now
+    type(linear_flow_type), intent(inout) :: now   !< in: without flow; out: at the root
     integer, intent(out) :: status                 !< RETURN_...
     type(root_search_type) :: search
     real(DP) :: high, n
@@ -141,6 +141,8 @@ contains
     n = merge(problem%exponent, 1.0_DP, problem%is_viscous)
     status = RETURN_FAILED
     high = (1 / maxval(abs(problem%PC)))**(1 / n)
+    search%scale = high                            ! what rounding of the stress is in the unknown
+    if (problem%is_viscous) search%scale = min(high, now%S / (C_NORM * (C_NORM * now%S / problem%w)**(1 / n)))
     do i = 1, MAX_BRACKET_DOUBLINGS
       call evaluate_flow(problem, high, now)
       if (now%f <= 0) exit

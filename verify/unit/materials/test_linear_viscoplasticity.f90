@@ -32,6 +32,10 @@ program test_linear_viscoplasticity
   end do
   call check_isotropic_elasticity(STRAINS(:, 2))
   call check_elastic()
+  do i = 1, 12
+    call check_small_flow(PLASTIC, 10.0_DP**(-i), .false.)
+    call check_small_flow(VISCOUS, 10.0_DP**(-i), .true.)
+  end do
   call suite%finish()
 
 contains
@@ -46,6 +50,25 @@ contains
     call map_linear_return(constants, C, e, [1.3_DP, 0.3_DP], is_viscous, state, response, status)
     call suite%that('it converges', status == RETURN_OK)
   end subroutine advance
+
+
+  !> Trial stresses hardly beyond the yield surface, in many directions: rounding ends the search for the flow.
+  subroutine check_small_flow(constants, excess, is_viscous)
+    real(DP), intent(in) :: constants(6)
+    real(DP), intent(in) :: excess                 !< over the yield stress [-]
+    logical, intent(in) :: is_viscous
+    type(linear_return_type) :: response
+    real(DP) :: e(6), state(N_LINEAR_STATE)
+    integer :: i, k
+    do i = 1, 40
+      e = [(sin(real(i * k + i, DP)), k=1, 6)]
+      e = e * (1 + excess) * constants(1) / von_mises(matmul(C, e))
+      state = 0
+      call advance(constants, C, e, is_viscous, state, response)
+      call suite%that('on or outside the surface', von_mises(response%stress) >= constants(1) * (1 - 1.0e-9_DP) .and. &
+        von_mises(response%stress) <= constants(1) * (1 + excess + 1.0e-9_DP))
+    end do
+  end subroutine check_small_flow
 
 
   !> Two increments: the yield condition and the tangent of the second.
