@@ -119,7 +119,7 @@ uses_deck_property_tables = kinds text materials model cards card_schema deck_re
 uses_deck_cap = kinds text materials drucker_prager_cap deck_reader deck_property_tables
 uses_deck_elasticity = kinds text materials invariant_elasticity cards card_schema deck_reader deck_property_tables
 uses_deck_named_laws = kinds text materials model crystal_plasticity linear_viscoplasticity cards card_schema deck_reader deck_property_tables deck_elasticity
-uses_deck_viscoelasticity = kinds materials viscoelasticity cards card_schema deck_reader
+uses_deck_viscoelasticity = kinds materials model viscoelasticity cards card_schema deck_reader
 uses_deck_materials = kinds text user_routines materials model cards card_schema deck_reader deck_property_tables deck_cap deck_elasticity deck_named_laws deck_viscoelasticity
 uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
 uses_deck_named_nodes = text containers element_kinds model cards card_schema element_drafts deck_reader
@@ -149,7 +149,7 @@ uses_deck_loads = kinds text containers tensor element_kinds loads materials str
 uses_deck_procedures = kinds text distributed_solver element_kinds steps structural_data model cards card_schema deck_reader deck_loads
 uses_deck_steps = kinds text containers controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_materials deck_initial_conditions deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_submodel deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_embedded deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_submodel deck_named_laws deck_viscoelasticity deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_embedded deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions

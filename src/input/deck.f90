@@ -13,6 +13,8 @@ module amontons_deck
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_mesh, only: read_nodes, read_elements, read_sections, select_elements
   use amontons_deck_initial_conditions, only: read_orientations, read_initial_conditions
+  use amontons_deck_named_laws, only: check_steps_of_law
+  use amontons_deck_viscoelasticity, only: check_viscoelastic_steps
   use amontons_deck_materials, only: read_materials, finalize_materials
   use amontons_deck_surfaces, only: read_heading, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
@@ -173,6 +175,8 @@ contains
     call refine_thin_shells(reader, model)
     call finalize_materials(model)
     call check_perturbations(reader, model)
+    call check_steps_of_law(reader, model)
+    call check_viscoelastic_steps(reader, model)
     call report_traps(reader, model%mesh)
     if (reader%messages%n_errors == 0) call report_mixed_units(reader, model)
     if (reader%messages%n_errors == 0) call set_single_increments(model)

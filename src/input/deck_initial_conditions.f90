@@ -603,6 +603,11 @@ contains
               ' has the law ''' // trim(law_name(material)) // '''; it can have no initial stress and no plastic strain.')
             return
           end if
+          if (what == 'HARDENING' .and. material%inelastic_law /= INELASTIC_NONE) then
+            call report_error(reader, row%line, 'The element ' // to_text(model%mesh%element_label(elements(i))) // &
+              ' has the law ''' // trim(law_name(material)) // ''', which starts from rest: HARDENING is for *PLASTIC.')
+            return
+          end if
         end associate
       end if
       p = model%mesh%point_first(elements(i))

@@ -6,7 +6,7 @@ module amontons_deck_materials
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
   use amontons_deck_cap, only: read_cap, read_cap_hardening, is_cap_complete
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
-  use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history
+  use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history, is_creep_by_name
   use amontons_deck_property_tables, only: read_table, read_curves
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name
   use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
@@ -130,9 +130,14 @@ contains
     case ('HYPERELASTIC', 'HYPERFOAM')
       is_repeated_law = material%has_elastic
     case ('ELASTIC')
-      is_repeated_law = .not. is_linear_elastic(material)
+      is_repeated_law = material%is_corotational .or. material%inelastic_law /= INELASTIC_NONE .or. is_creep_by_name(material) &
+        .or. .not. is_linear_elastic(material)
     case ('USERMATERIAL')
       is_repeated_law = material%is_user .or. .not. is_linear_elastic(material)
+    case ('CREEP')
+      is_repeated_law = is_creep_by_name(material)
+    case ('VISCOELASTIC')
+      is_repeated_law = allocated(material%prony)
     case default
       is_repeated_law = .false.
     end select
@@ -233,6 +238,8 @@ contains
     is_nonlinear = material%has_deformation_plasticity .or. material%is_corotational .or. .not. is_linear_elastic(material)
     if (material%inelastic_law /= INELASTIC_NONE .and. (has_yield .or. material%creep_law /= CREEP_NONE)) call report_error( &
       reader, line, who // 'has *PLASTIC or *CREEP beside a law of flow by its name; give one.')
+    if (is_creep_by_name(material) .and. has_yield) call report_error(reader, line, who // 'has *PLASTIC beside creep by its ' // &
+      'name; give *ELASTIC, TYPE=ORTHO, *PLASTIC and *CREEP under another name.')
     if ((has_yield .or. material%creep_law /= CREEP_NONE) .and. is_nonlinear) call report_error(reader, line, who // &
       'has both an elastic law that is not linear and *PLASTIC or *CREEP; give one.')
     if (material%creep_law /= CREEP_NONE .and. allocated(material%kinematic_hardening)) call report_error(reader, line, who // &

@@ -7,15 +7,16 @@ module amontons_deck_named_laws
   use amontons_crystal_plasticity, only: N_CRYSTAL_CONSTANTS, N_CRYSTAL_STATE, N_CRYSTAL_CREEP_STATE
   use amontons_deck_elasticity, only: check_isotropic, check_definite, is_law_by_name
   use amontons_deck_property_tables, only: read_table
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, is_card
   use amontons_linear_viscoplasticity, only: N_LINEAR_STATE
   use amontons_materials, only: material_type, property_table_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, &
-    INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR, CREEP_TIME_HARDENING, USER_STATE
-  use amontons_model, only: DIALECT_CALCULIX
+    INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR, CREEP_NONE, CREEP_TIME_HARDENING, &
+    USER_STATE
+  use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: upper_case, to_text, parse_integer, NUMBER_OK
   implicit none
   private
-  public :: is_named_law, read_named_law, set_inner_history
+  public :: is_named_law, read_named_law, set_inner_history, check_steps_of_law, is_creep_by_name
 
   !> Names of materials begin with these words; a longer one counts before its beginning.
   character(22), parameter :: NAMES(7) = [character(22) :: 'SINGLE_CRYSTAL_CREEP', 'SINGLE_CRYSTAL', 'ANISO_PLAS', 'ANISO_CREEP', &
@@ -32,6 +33,15 @@ contains
     character(*), intent(in) :: name
     is_named_law = law_of_name(name) > 0 .or. index(upper_case(name), NO_LAW) == 1
   end function is_named_law
+
+
+  !> Whether a material creeps as ANISO_CREEP.
+  pure logical function is_creep_by_name(material)
+    type(material_type), intent(in) :: material
+    is_creep_by_name = .false.
+    if (law_of_name(material%name) /= ANISO_CREEP .or. .not. allocated(material%creep%value)) return
+    is_creep_by_name = all(abs(material%creep%value(:, 1) - CALCULIX_CREEP) <= 0)
+  end function is_creep_by_name
 
 
   !> The index of the law in NAMES, or 0.
@@ -53,8 +63,8 @@ contains
     integer :: law, n
     logical :: is_ok
     law = law_of_name(material%name)
-    if (material%has_elastic) call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name &
-      // ''' has a law of stress before this card; give one.')
+    if (material%has_elastic .or. material%creep_law /= CREEP_NONE) call report_error(reader, reader%cards%cards(c)%line, &
+      'The material ''' // material%name // ''' has a law of stress before this card; give one.')
     material%has_elastic = .true.                ! errors of the card are reported below
     if (law == 0) then
       call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' is a gas for CalculiX, by ' &
@@ -131,8 +141,6 @@ contains
     type(material_type), intent(inout) :: material
     integer :: i
     material%is_corotational = law > ANISO_CREEP
-    if (law >= ISOTROPIC_STRETCH) call report_note(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // &
-      ''' is meant for NLGEOM. Without it the stretch is the root of 1 + 2 e here; CalculiX takes that of the rotated body.')
     select case (size(material%elastic%value, 1))
     case (2)
       material%elastic_kind = ELASTIC_ISOTROPIC
@@ -152,6 +160,31 @@ contains
     call report_note(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' creeps at the rate 1e-10 q^5, ' &
       // 'by the routine CREEP that CalculiX comes with. For another rate give *ELASTIC, TYPE=ORTHO and *CREEP.')
   end subroutine set_elasticity
+
+
+  !> Refuses steps in which a law is not meant: UNDO_NLGEOM_LIN_ISO_EL without NLGEOM, where CalculiX takes another strain (forces
+  !! differ by a tenth at 20 per cent), and crystals in RIKS, whose times are lengths of its arc.
+  subroutine check_steps_of_law(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer :: m, c
+    do m = 1, size(model%materials)
+      if (.not. any(model%mesh%material == m)) cycle
+      associate (material => model%materials(m))
+        do c = 1, reader%cards%n_cards
+          if (.not. is_card(reader, c, 'STEP')) cycle
+          associate (step => model%steps(reader%step_of_card(c)))
+            if (.not. step%is_nlgeom .and. material%is_corotational .and. law_of_name(material%name) == ISOTROPIC_STRETCH) &
+              call report_error(reader, reader%cards%cards(c)%line, 'The law of the material ''' // material%name // &
+              ''' is for steps with NLGEOM alone. Give *STEP, NLGEOM, or the name LIN_EL_COROT, or *ELASTIC.')
+            if (step%is_riks .and. any(material%inelastic_law == [INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP])) &
+              call report_error(reader, reader%cards%cards(c)%line, 'The crystal ''' // material%name // ''' slips at a rate, ' // &
+              'and a RIKS step has no time. Give *STATIC without RIKS.')
+          end associate
+        end do
+      end associate
+    end do
+  end subroutine check_steps_of_law
 
 
   !> The laws of flow.

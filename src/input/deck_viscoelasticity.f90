@@ -3,14 +3,15 @@
 module amontons_deck_viscoelasticity
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type, next_row
-  use amontons_card_schema, only: parameter_word
+  use amontons_card_schema, only: parameter_word, has_parameter
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields, is_card
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_HYPER, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_NONE, &
     INELASTIC_NONE, MAX_HISTORY, USER_STATE
+  use amontons_model, only: model_type
   use amontons_viscoelasticity, only: n_viscoelastic_state
   implicit none
   private
-  public :: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
+  public :: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history, check_viscoelastic_steps
 
 contains
 
@@ -80,6 +81,30 @@ contains
       material%poissons_ratio = material%elastic%value(2, 1)
     end if
   end subroutine complete_viscoelastic
+
+
+  !> Refuses steps in which viscoelastic materials would not relax as the card says.
+  subroutine check_viscoelastic_steps(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    integer :: c, m
+    logical :: is_relaxing
+    is_relaxing = .false.
+    do m = 1, size(model%materials)
+      if (allocated(model%materials(m)%prony)) is_relaxing = is_relaxing .or. any(model%mesh%material == m)
+    end do
+    if (.not. is_relaxing) return
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, 'DYNAMIC')) call report_error(reader, reader%cards%cards(c)%line, 'A *DYNAMIC step cannot have ' // &
+        '*VISCOELASTIC materials: they relax in *VISCO steps alone. Give *VISCO for slow loads.')
+      if (.not. is_card(reader, c, 'VISCO')) cycle
+      call open_card(reader, c, parameters, row)
+      if (has_parameter(parameters, 'LONG TERM')) call report_error(reader, reader%cards%cards(c)%line, 'LONG TERM is of ' // &
+        '*STATIC; in *VISCO materials relax with the time. Leave it out, or give *STATIC, LONG TERM.')
+    end do
+  end subroutine check_viscoelastic_steps
 
 
   !> Whether the constants of a material are those after a long time: MODULI of its ELASTIC or HYPERELASTIC.

@@ -20,23 +20,33 @@ program test_deck_named_laws
   call suite%that('names', is_named_law('single_crystal_creep_A') .and. is_named_law('IDEAL_GAS') .and. &
     .not. is_named_law('A_SINGLE_CRYSTAL'))
   call check_laws()
+  call check_steps()
   call check_rejected()
   call suite%finish()
 
 contains
 
   !> Reads the cards of a material; the text of the first error, '' without.
-  subroutine read(name, cards, model, first_error)
+  subroutine read(name, cards, model, first_error, is_small, procedure)
     character(*), intent(in) :: name, cards
     type(model_type), intent(out) :: model
     character(:), allocatable, intent(out) :: first_error
+    logical, intent(in), optional :: is_small    !< without NLGEOM
+    character(*), intent(in), optional :: procedure
+    character(:), allocatable :: card
     type(job_options_type) :: options
+    logical :: is_nlgeom
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     integer :: i
+    is_nlgeom = .true.
+    if (present(is_small)) is_nlgeom = .not. is_small
+    card = 'STATIC'
+    if (present(procedure)) card = procedure
     options%dialect = DIALECT_CALCULIX
     call read_deck_text(deck_lines(START // name // ';' // cards // '*SOLID SECTION,ELSET=E,MATERIAL=' // name // &
-      ';*STEP;*STATIC;*END STEP;'), options, model, diagnostics, error)
+      ';*STEP' // trim(merge(',NLGEOM', '       ', is_nlgeom)) // ';*' // card // &
+      ';*BOUNDARY;1,1,1,1.;*END STEP;'), options, model, diagnostics, error)
     first_error = ''
     do i = diagnostics%n_items, 1, -1
       if (.not. diagnostics%items(i)%is_warning) first_error = diagnostics%items(i)%text
@@ -76,6 +86,20 @@ contains
   end subroutine check_laws
 
 
+  !> The law that CalculiX has under NLGEOM alone; the others are the same without it.
+  subroutine check_steps()
+    character(*), parameter :: CARDS = '*USER MATERIAL,CONSTANTS=2;2.E5,.3;'
+    type(model_type) :: model
+    character(:), allocatable :: text
+    call read('UNDO_NLGEOM_LIN_ISO_EL', CARDS, model, text, is_small=.true.)
+    call suite%that('without NLGEOM: ' // text, index(text, 'for steps with NLGEOM alone') > 0)
+    call read('UNDO_NLGEOM_LIN_EL', CARDS, model, text, is_small=.true.)
+    call suite%that('the same as LIN_EL_COROT: ' // text, text == '')
+    call read('SINGLE_CRYSTAL', '*USER MATERIAL,CONSTANTS=21;' // CRYSTAL, model, text, procedure='STATIC,RIKS')
+    call suite%that('path: ' // text, index(text, 'slips at a rate') > 0)
+  end subroutine check_steps
+
+
   !> Each fault has its sentence.
   subroutine check_rejected()
     call reject('SINGLE_CRYSTAL', '*USER MATERIAL,CONSTANTS=20;' // CRYSTAL, 'CONSTANTS must be 21')
@@ -88,6 +112,11 @@ contains
     call reject('ANISO_PLAS', '*USER MATERIAL,CONSTANTS=15;' // ORTHO // '10.,2.,3.,0.,1.,0.;', 'A and n above 0')
     call reject('UNDO_NLGEOM_LIN_ISO_EL', '*USER MATERIAL,CONSTANTS=9;' // ORTHO // ';', 'CONSTANTS must be 2')
     call reject('LIN_EL_COROT', '*USER MATERIAL,CONSTANTS=2;2.E5,.5;', 'Poisson')
+    call reject('LIN_EL_COROT', '*USER MATERIAL,CONSTANTS=2;2.E5,.3;*ELASTIC;1.E5,.3;', 'has a law of stress before')
+    call reject('SINGLE_CRYSTAL', '*USER MATERIAL,CONSTANTS=21;' // CRYSTAL // '*ELASTIC;1.E5,.3;', 'has a law of stress before')
+    call reject('ANISO_CREEP', '*USER MATERIAL,CONSTANTS=9;' // ORTHO // ';*CREEP;1.E-5,2.,0.;', 'has a law of stress before')
+    call reject('ANISO_CREEP', '*CREEP;1.E-5,2.,0.;*USER MATERIAL,CONSTANTS=9;' // ORTHO // ';', 'has a law of stress before')
+    call reject('ANISO_CREEP', '*USER MATERIAL,CONSTANTS=9;' // ORTHO // ';*PLASTIC;10.,0.;', 'beside creep by its name')
     call reject('IDEAL_GAS', '*USER MATERIAL,CONSTANTS=1;287.;', 'gases are not supported')
   end subroutine check_rejected
 

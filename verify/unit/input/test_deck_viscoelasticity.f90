@@ -42,21 +42,28 @@ program test_deck_viscoelasticity
   call reject('*ELASTIC;200.,.3;*VISCOELASTIC,TIME=PRONY;', 'a data line for each term')
   call reject('*ELASTIC;200.,.3;*PLASTIC;1.,0.;' // SERIES, 'beside plasticity or creep')
   call reject('*HYPERFOAM;1.,2.,.1;' // SERIES, 'other than isotropic')
+  call reject('*ELASTIC;200.,.3;' // SERIES // SERIES, 'has a law of stress before')
+  call reject('*ELASTIC;200.,.3;' // SERIES, 'LONG TERM is of *STATIC', 'VISCO,LONG TERM')
+  call reject('*ELASTIC;200.,.3;*DENSITY;1.;' // SERIES, 'relax in *VISCO steps alone', 'DYNAMIC,APPLICATION=QUASI-STATIC')
   call suite%finish()
 
 contains
 
   !> Reads the cards of a material M; the text of the first error, '' without.
-  subroutine read(cards, model, first_error)
+  subroutine read(cards, model, first_error, procedure)
     character(*), intent(in) :: cards
     type(model_type), intent(out) :: model
     character(:), allocatable, intent(out) :: first_error
+    character(*), intent(in), optional :: procedure   !< in place of STATIC
+    character(:), allocatable :: card
     type(job_options_type) :: options
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     integer :: i
-    call read_deck_text(deck_lines(START // cards // '*SOLID SECTION,ELSET=E,MATERIAL=M;*STEP;*STATIC;*END STEP;'), options, &
-      model, diagnostics, error)
+    card = 'STATIC'
+    if (present(procedure)) card = procedure
+    call read_deck_text(deck_lines(START // cards // '*SOLID SECTION,ELSET=E,MATERIAL=M;*STEP;*' // card // ';*END STEP;'), &
+      options, model, diagnostics, error)
     first_error = ''
     do i = diagnostics%n_items, 1, -1
       if (.not. diagnostics%items(i)%is_warning) first_error = diagnostics%items(i)%text
@@ -65,11 +72,12 @@ contains
 
 
   !> Cards that are rejected with some words.
-  subroutine reject(cards, words)
+  subroutine reject(cards, words, procedure)
     character(*), intent(in) :: cards, words
+    character(*), intent(in), optional :: procedure
     type(model_type) :: model
     character(:), allocatable :: text
-    call read(cards, model, text)
+    call read(cards, model, text, procedure)
     call suite%that(words // ' in: ' // text, index(text, words) > 0)
   end subroutine reject
 
