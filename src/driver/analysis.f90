@@ -716,7 +716,7 @@ contains
       do s = 1, size(new%slaves)
         record%slave_force = record%slave_force + new%slaves(s)%force + new%slaves(s)%shear
       end do
-      if (has_energy_balance(step) .and. .not. allocated(model%user_elements) .and. new%proximal_work <= old%proximal_work) &
+      if (has_energy_balance(model, step) .and. .not. allocated(model%user_elements) .and. new%proximal_work <= old%proximal_work) &
         new%proximal_work = old%proximal_work + released_energy(old, new)
       record%external_work = new%external_work
       record%friction_work = new%friction_work
@@ -732,14 +732,19 @@ contains
   end subroutine sum_works
 
 
-  !> Whether loads and supports alone change the energies: temperatures, elements and materials that change, and interferences
-  !! take or give energy that no work measures.
-  pure logical function has_energy_balance(step)
+  !> Whether loads and supports alone change the energies: temperatures, elements and materials that change, interferences, and
+  !! viscoelastic materials take or give energy that no work measures.
+  pure logical function has_energy_balance(model, step)
+    type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
+    integer :: m
     has_energy_balance = .not. (step%is_dynamic .or. step%is_riks .or. step%has_creep .or. allocated(step%is_inactive) .or. &
       allocated(step%is_reactivated) .or. allocated(step%is_relieved) .or. allocated(step%material) .or. &
       allocated(step%is_removed) .or. allocated(step%interference) .or. allocated(step%is_shrink_fit))
     if (has_energy_balance .and. allocated(step%temperatures)) has_energy_balance = size(step%temperatures) == 0
+    do m = 1, size(model%materials)
+      has_energy_balance = has_energy_balance .and. .not. allocated(model%materials(m)%prony)
+    end do
   end function has_energy_balance
 
 
