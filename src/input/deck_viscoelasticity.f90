@@ -5,6 +5,7 @@ module amontons_deck_viscoelasticity
   use amontons_cards, only: parameter_type, data_row_type, next_row
   use amontons_card_schema, only: parameter_word, has_parameter
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields, is_card
+  use amontons_element_kinds, only: KIND_C3D8R, KIND_CPS4R, KIND_CPE4R, KIND_CAX4R
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_HYPER, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_NONE, &
     INELASTIC_NONE, MAX_HISTORY, USER_STATE
   use amontons_model, only: model_type
@@ -89,14 +90,25 @@ contains
     type(model_type), intent(in) :: model
     type(parameter_type), allocatable :: parameters(:)
     type(data_row_type) :: row
-    integer :: c, m
-    logical :: is_relaxing
+    integer :: c, m, i
+    logical :: is_relaxing, has_hourglass
     is_relaxing = .false.
+    has_hourglass = .false.
     do m = 1, size(model%materials)
-      if (allocated(model%materials(m)%prony)) is_relaxing = is_relaxing .or. any(model%mesh%material == m)
+      if (.not. allocated(model%materials(m)%prony)) cycle
+      is_relaxing = is_relaxing .or. any(model%mesh%material == m)
+      has_hourglass = has_hourglass .or. any(model%mesh%material == m .and. [(any(model%mesh%kind(i) == [KIND_C3D8R, &
+        KIND_CPS4R, KIND_CPE4R, KIND_CAX4R]), i=1, size(model%mesh%kind))])
     end do
     if (.not. is_relaxing) return
     do c = 1, reader%cards%n_cards
+      if (has_hourglass .and. is_card(reader, c, 'STEP')) then
+        associate (step => model%steps(reader%step_of_card(c)))
+          if (step%has_creep .or. step%is_long_term) call report_error(reader, reader%cards%cards(c)%line, '*VISCOELASTIC ' // &
+            'materials relax in this step, and the hourglass stiffness of C3D8R, CPS4R, CPE4R and CAX4R does not: bending ' // &
+            'would be too stiff. Give them C3D8I, C3D20R, CPS4, CPE4, CAX4 or CPS8R, CPE8R, CAX8R.')
+        end associate
+      end if
       if (is_card(reader, c, 'DYNAMIC')) call report_error(reader, reader%cards%cards(c)%line, 'A *DYNAMIC step cannot have ' // &
         '*VISCOELASTIC materials: they relax in *VISCO steps alone. Give *VISCO for slow loads.')
       if (.not. is_card(reader, c, 'VISCO')) cycle

@@ -9,7 +9,8 @@ program test_deck_viscoelasticity
   use samples, only: deck_lines
   implicit none
   character(*), parameter :: START = '*NODE,NSET=ALL;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;' // &
-    '8,0,1,1;*ELEMENT,TYPE=C3D8,ELSET=E;1,1,2,3,4,5,6,7,8;*MATERIAL,NAME=M;'
+    '8,0,1,1;*ELEMENT,ELSET=E,TYPE='
+  character(*), parameter :: ELEMENT_LINE = ';1,1,2,3,4,5,6,7,8;*MATERIAL,NAME=M;'
   type(suite_type) :: suite
   character(*), parameter :: SERIES = '*VISCOELASTIC,TIME=PRONY;.3,.2,.5;.4,.1,7.;'
   type(model_type) :: model
@@ -45,25 +46,32 @@ program test_deck_viscoelasticity
   call reject('*ELASTIC;200.,.3;' // SERIES // SERIES, 'has a law of stress before')
   call reject('*ELASTIC;200.,.3;' // SERIES, 'LONG TERM is of *STATIC', 'VISCO,LONG TERM')
   call reject('*ELASTIC;200.,.3;*DENSITY;1.;' // SERIES, 'relax in *VISCO steps alone', 'DYNAMIC,APPLICATION=QUASI-STATIC')
+  call reject('*ELASTIC;200.,.3;' // SERIES, 'hourglass stiffness', 'STATIC,LONG TERM', 'C3D8R')
+  call reject('*ELASTIC;200.,.3;' // SERIES, 'hourglass stiffness', 'VISCO', 'C3D8R')
+  call read('*ELASTIC;200.,.3;' // SERIES, model, text, 'STATIC', 'C3D8R')
+  call suite%that('at once: ' // text, text == '')
   call suite%finish()
 
 contains
 
   !> Reads the cards of a material M; the text of the first error, '' without.
-  subroutine read(cards, model, first_error, procedure)
+  subroutine read(cards, model, first_error, procedure, element)
     character(*), intent(in) :: cards
     type(model_type), intent(out) :: model
     character(:), allocatable, intent(out) :: first_error
     character(*), intent(in), optional :: procedure   !< in place of STATIC
-    character(:), allocatable :: card
+    character(*), intent(in), optional :: element     !< in place of C3D8
+    character(:), allocatable :: card, kind
     type(job_options_type) :: options
     type(diagnostic_list_type) :: diagnostics
     type(error_type), allocatable :: error
     integer :: i
     card = 'STATIC'
+    kind = 'C3D8'
+    if (present(element)) kind = element
     if (present(procedure)) card = procedure
-    call read_deck_text(deck_lines(START // cards // '*SOLID SECTION,ELSET=E,MATERIAL=M;*STEP;*' // card // ';*END STEP;'), &
-      options, model, diagnostics, error)
+    call read_deck_text(deck_lines(START // kind // ELEMENT_LINE // cards // &
+      '*SOLID SECTION,ELSET=E,MATERIAL=M;*STEP;*' // card // ';*END STEP;'), options, model, diagnostics, error)
     first_error = ''
     do i = diagnostics%n_items, 1, -1
       if (.not. diagnostics%items(i)%is_warning) first_error = diagnostics%items(i)%text
@@ -72,12 +80,12 @@ contains
 
 
   !> Cards that are rejected with some words.
-  subroutine reject(cards, words, procedure)
+  subroutine reject(cards, words, procedure, element)
     character(*), intent(in) :: cards, words
-    character(*), intent(in), optional :: procedure
+    character(*), intent(in), optional :: procedure, element
     type(model_type) :: model
     character(:), allocatable :: text
-    call read(cards, model, text, procedure)
+    call read(cards, model, text, procedure, element)
     call suite%that(words // ' in: ' // text, index(text, words) > 0)
   end subroutine reject
 
