@@ -12,7 +12,7 @@ module amontons_deck_elasticity
   use amontons_text, only: upper_case, to_text, parse_integer, NUMBER_OK
   implicit none
   private
-  public :: read_elastic, read_law_by_name, is_law_by_name, check_isotropic, check_definite
+  public :: read_elastic, read_law_by_name, is_law_by_name, law_of_name, check_isotropic, check_definite
 
   !> Names of materials begin with these words (calculix dialect).
   character(16), parameter :: LAW_NAMES(5) = [character(16) :: 'TENSION_ONLY', 'COMPRESSION_ONLY', 'CIARLET_EL', 'ELASTIC_FIBER', &
@@ -158,15 +158,16 @@ contains
   !> Whether CalculiX has a law of its own for a name.
   pure logical function is_law_by_name(name)
     character(*), intent(in) :: name
-    is_law_by_name = law_of_name(name) > 0
+    is_law_by_name = law_of_name(name, LAW_NAMES) > 0
   end function is_law_by_name
 
 
-  !> The index of the law in LAW_NAMES, or 0.
-  pure integer function law_of_name(name) result(k)
-    character(*), intent(in) :: name
-    do k = 1, size(LAW_NAMES)
-      if (index(upper_case(name), trim(LAW_NAMES(k))) == 1) return
+  !> The first of some laws by whose name that of a material begins; 0: none.
+  pure integer function law_of_name(name, laws) result(k)
+    character(*), intent(in) :: name             !< of the material
+    character(*), intent(in) :: laws(:)          !< their names
+    do k = 1, size(laws)
+      if (index(upper_case(name), trim(laws(k))) == 1) return
     end do
     k = 0
   end function law_of_name
@@ -184,7 +185,7 @@ contains
     if (material%has_elastic) call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name &
       // ''' has a law of stress before this card; give one.')
     material%has_elastic = .true.                ! errors of the card are reported below
-    material%elastic_kind = LAW_KINDS(law_of_name(material%name))
+    material%elastic_kind = LAW_KINDS(law_of_name(material%name, LAW_NAMES))
     n = 2
     if (material%elastic_kind == ELASTIC_FIBRES) then
       call open_card(reader, c, parameters, row)

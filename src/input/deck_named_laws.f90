@@ -5,7 +5,7 @@ module amontons_deck_named_laws
   use amontons_cards, only: parameter_type, data_row_type
   use amontons_card_schema, only: parameter_text
   use amontons_crystal_plasticity, only: N_CRYSTAL_CONSTANTS, N_CRYSTAL_STATE, N_CRYSTAL_CREEP_STATE
-  use amontons_deck_elasticity, only: check_isotropic, check_definite, is_law_by_name
+  use amontons_deck_elasticity, only: check_isotropic, check_definite, is_law_by_name, law_of_name
   use amontons_deck_property_tables, only: read_table
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, is_card
   use amontons_linear_viscoplasticity, only: N_LINEAR_STATE
@@ -31,7 +31,7 @@ contains
   !> Whether CalculiX has such a law for a name.
   pure logical function is_named_law(name)
     character(*), intent(in) :: name
-    is_named_law = law_of_name(name) > 0 .or. index(upper_case(name), NO_LAW) == 1
+    is_named_law = law_of_name(name, NAMES) > 0 .or. index(upper_case(name), NO_LAW) == 1
   end function is_named_law
 
 
@@ -39,19 +39,9 @@ contains
   pure logical function is_creep_by_name(material)
     type(material_type), intent(in) :: material
     is_creep_by_name = .false.
-    if (law_of_name(material%name) /= ANISO_CREEP .or. .not. allocated(material%creep%value)) return
+    if (law_of_name(material%name, NAMES) /= ANISO_CREEP .or. .not. allocated(material%creep%value)) return
     is_creep_by_name = all(abs(material%creep%value(:, 1) - CALCULIX_CREEP) <= 0)
   end function is_creep_by_name
-
-
-  !> The index of the law in NAMES, or 0.
-  pure integer function law_of_name(name) result(k)
-    character(*), intent(in) :: name
-    do k = 1, size(NAMES)
-      if (index(upper_case(name), trim(NAMES(k))) == 1) return
-    end do
-    k = 0
-  end function law_of_name
 
 
   !> USER MATERIAL of such a name.
@@ -62,7 +52,7 @@ contains
     type(property_table_type) :: given
     integer :: law, n
     logical :: is_ok
-    law = law_of_name(material%name)
+    law = law_of_name(material%name, NAMES)
     if (material%has_elastic .or. material%creep_law /= CREEP_NONE) call report_error(reader, reader%cards%cards(c)%line, &
       'The material ''' // material%name // ''' has a law of stress before this card; give one.')
     material%has_elastic = .true.                ! errors of the card are reported below
@@ -174,7 +164,7 @@ contains
         do c = 1, reader%cards%n_cards
           if (.not. is_card(reader, c, 'STEP')) cycle
           associate (step => model%steps(reader%step_of_card(c)))
-            if (.not. step%is_nlgeom .and. material%is_corotational .and. law_of_name(material%name) == ISOTROPIC_STRETCH) &
+            if (.not. step%is_nlgeom .and. material%is_corotational .and. law_of_name(material%name, NAMES) == ISOTROPIC_STRETCH) &
               call report_error(reader, reader%cards%cards(c)%line, 'The law of the material ''' // material%name // &
               ''' is for steps with NLGEOM alone. Give *STEP, NLGEOM, or the name LIN_EL_COROT, or *ELASTIC.')
             if (step%is_riks .and. any(material%inelastic_law == [INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP])) &

@@ -10,8 +10,8 @@ module amontons_mortar_segmentation
     MAX_FACE_NODES
   use amontons_facets, only: facets_type, facet_nodes, n_facet_corners, is_line_facet, is_hidden_behind, is_unseen, is_absent_facet
   use amontons_facet_search, only: facet_search_type, find_near_facets
-  use amontons_polygon_clipping, only: find_flat_coordinates, clip_polygon, signed_polygon_area, set_polygon_quadrature, &
-    MAX_POLYGON_CORNERS, MAX_CUT_POINTS
+  use amontons_polygon_clipping, only: find_flat_coordinates, find_polygon_excess, clip_polygon, signed_polygon_area, &
+    set_polygon_quadrature, MAX_POLYGON_CORNERS, MAX_CUT_POINTS
   use amontons_dual_shape_functions, only: transform_shape_functions, transform_nodal_positions, evaluate_dual_functions
   implicit none
   private
@@ -274,38 +274,23 @@ contains
     type(projection_plane_type), intent(in) :: master_planes(:)   !< (master%n)
     integer, intent(in) :: list(:)                 !< master facets that are near
     real(DP), intent(in) :: x(:, :)
-    real(DP) :: middle(2), start(3), corners(2, 4), cosine, way
-    integer :: k, n
+    real(DP) :: middle(2), start(3), corners(2, 4), cosine, way, beyond
+    integer :: k, n, edge
     is_behind_body = .false.
     if (segment%distance >= -2 * master_planes(segment%master)%radius .or. allocated(master%unseen)) return
     middle = sum(segment%cut(:, :segment%n), dim=2) / real(segment%n, DP)
-    if (is_line_facet(master%kind(segment%master))) middle(2) = 0.5_DP
-    start = plane%origin + middle(1) * plane%axes(:, 1)
-    if (.not. is_line_facet(master%kind(segment%master))) start = start + middle(2) * plane%axes(:, 2)
+    start = plane%origin + matmul(plane%axes, middle)
     do k = 1, size(list)
       cosine = dot_product(master_planes(list(k))%normal, plane%normal)
       if (cosine <= 0.0_DP) cycle
       way = dot_product(start - master_planes(list(k))%origin, master_planes(list(k))%normal) / cosine
       if (way <= 0.0_DP .or. way >= -segment%distance) cycle
       call project_facet_corners(plane, master, list(k), x, corners, n)
-      is_behind_body = is_in_polygon(middle, corners(:, :n))
+      call find_polygon_excess(corners(:, :n), middle, beyond, edge)
+      is_behind_body = beyond <= 0.0_DP
       if (is_behind_body) return
     end do
   end function is_behind_body
-
-
-  !> Whether a point is in a convex polygon, whose corners run counterclockwise.
-  pure logical function is_in_polygon(point, corners)
-    real(DP), intent(in) :: point(2), corners(:, :)
-    real(DP) :: edge(2), to_point(2)
-    integer :: i
-    is_in_polygon = .true.
-    do i = 1, size(corners, 2)
-      edge = corners(:, mod(i, size(corners, 2)) + 1) - corners(:, i)
-      to_point = point - corners(:, i)
-      is_in_polygon = is_in_polygon .and. edge(1) * to_point(2) - edge(2) * to_point(1) >= 0.0_DP
-    end do
-  end function is_in_polygon
 
 
   !> Whether the projections of two facets are certainly apart, by the circles around their corners.
