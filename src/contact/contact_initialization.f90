@@ -154,6 +154,7 @@ contains
         is_master(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
       end if
       call add_reachable_nodes(s)
+      call add_carriers(s)
       n = size(nodes)
       nodes = [nodes, pack(reshape(ends(:, nodes), [2 * n]), reshape(ends(:, nodes), [2 * n]) > 0), -own_side]
       n = reach%first(s)
@@ -190,6 +191,19 @@ contains
         end associate
       end associate
     end subroutine add_reachable_nodes
+
+    !> The slaves that carry the forces on these nodes and on those of the slave itself.
+    subroutine add_carriers(s)
+      integer, intent(in) :: s
+      integer, allocatable :: loaded(:)
+      integer :: i
+      if (.not. allocated(contact%carrier) .or. slaves(s)%facet == 0) return   ! not before the first step
+      loaded = [nodes, slaves(s)%node]
+      if (slaves(s)%row > 0) loaded = [loaded, contact%mortar(slaves(s)%pair)%rows(slaves(s)%row)%nodes]
+      do i = 1, size(loaded)
+        nodes = [nodes, contact%carrier(contact%carrier_first(loaded(i)):contact%carrier_first(loaded(i) + 1) - 1)]
+      end do
+    end subroutine add_carriers
 
   end subroutine list_reachable_nodes
 

@@ -5,6 +5,7 @@
 module amontons_contact_pairs
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY
+  use amontons_containers, only: integer_list_type, list_groups
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_element_kinds, only: has_faces_in_space, MAX_FACE_NODES
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
@@ -77,6 +78,9 @@ module amontons_contact_pairs
     type(shared_slaves_type) :: shared_slaves               !< pairs that share nodes
     type(sparse_type) :: force_condensation  !< E: condenses forces on all nodes to free unknowns; only with several levels of
                                              !! slaves
+    integer, allocatable :: carrier_first(:)   !< (n_nodes + 1) start of the carriers of a node
+    integer, allocatable :: carrier(:)         !< nodes of exact slaves that move a node by supports and equations, and carry its
+                                               !! contact forces
     real(DP), allocatable :: free(:, :, :)  !< (3, 3, n_slaves) projector on the directions that supports and other pairs leave free
     logical, allocatable :: has_sliding_support(:)         !< (n_slaves) its master slides in directions in which supports fix it
     real(DP), allocatable :: friction(:)          !< (n_slaves) mu at the last evaluation [-]
@@ -396,22 +400,79 @@ contains
     logical, intent(in) :: is_held(:, :)           !< (3, n_nodes) by supports, along the axes of the node's local coordinate system
     type(error_type), allocatable, intent(out) :: error
     logical :: is_component_held(3)
+    integer :: middle(model%mesh%n_nodes)          ! the node of the deck whose supports hold a node
     integer :: s, k
+    middle = middle_nodes(model)
     do s = 1, size(slaves)
       if (slaves(s)%slave_facet > 0) cycle  ! integration points are no nodes; their number changes, and they are the last
-      associate (node => slaves(s)%node)
+      associate (node => slaves(s)%node, own => middle(slaves(s)%node))
         is_component_held = base%owner(3 * node - 2:3 * node) /= 0
         contact%axes(:, :, s:s) = global_axes(1)
-        if (count(is_held(:, node)) == count(is_component_held)) then   ! supports alone, no equation
-          is_component_held = is_held(:, node)
-          contact%axes(:, :, s) = reshape([(dof_direction(model, node, k), k=1, 3)], [3, 3])
+        if (any(is_component_held) .and. count(is_held(:, own)) == count(is_component_held)) then   ! supports alone, no equation
+          is_component_held = is_held(:, own)
+          contact%axes(:, :, s) = reshape([(dof_direction(model, own, k), k=1, 3)], [3, 3])
         end if
         contact%free_mask(:, s) = merge(0.0_DP, 1.0_DP, is_component_held)
       end associate
     end do
     contact%is_uncoupled = find_uncoupled_slaves(contact, model, slaves, base)
+    call list_carriers(contact, model%mesh%n_nodes, slaves, base)
     if (contact%shared_slaves%has_reaction_chains) call build_condensation_matrix(base, contact%force_condensation, error)
   end subroutine set_free_directions
+
+
+  !> The node of the deck whose supports hold a node: of a node on the face of a shell or beam that of its director, else itself.
+  pure function middle_nodes(model) result(middle)
+    type(model_type), intent(in) :: model
+    integer :: middle(model%mesh%n_nodes)
+    integer :: i
+    middle = [(i, i=1, model%mesh%n_nodes)]
+    if (.not. allocated(model%structure)) return
+    if (.not. allocated(model%structure%directors)) return
+    do i = 1, size(model%structure%directors)
+      associate (director => model%structure%directors(i))
+        middle(director%nodes) = director%node
+      end associate
+    end do
+  end function middle_nodes
+
+
+  !> Lists for the nodes on which contact acts the exact slaves that move them by supports and equations: these slaves carry their
+  !! forces. A mid-side node that follows its corners has none: the rows of its pair have its force.
+  subroutine list_carriers(contact, n_nodes, slaves, base)
+    type(contact_type), intent(inout) :: contact   !< out: carrier
+    integer, intent(in) :: n_nodes
+    type(slave_state_type), intent(in) :: slaves(:)
+    type(constraints_type), intent(in) :: base
+    type(integer_list_type) :: carried, carriers
+    integer, allocatable :: member(:)
+    logical :: is_loaded(n_nodes)
+    integer :: p, s, k, j
+    is_loaded = .false.
+    do p = 1, size(contact%facets)
+      is_loaded(pack(contact%facets(p)%nodes, contact%facets(p)%nodes > 0)) = .true.
+    end do
+    do s = 1, size(slaves)
+      if (slaves(s)%slave_facet > 0) cycle
+      if (any(contact%free_mask(:, s) > 0.0_DP)) is_loaded(slaves(s)%node) = .true.
+    end do
+    is_loaded(contact%midsides%nodes(1, :)) = .false.
+    do k = 1, base%n_rows
+      associate (node => (base%rows(k)%pivot + 2) / 3, movers => (base%rows(k)%unknown + 2) / 3, first => &
+        contact%shared_slaves%first)
+        if (.not. is_loaded(node)) cycle
+        do j = 1, size(movers)
+          if (movers(j) == node .or. first(movers(j) + 1) == first(movers(j))) cycle
+          call carried%add(node)
+          call carriers%add(movers(j))
+        end do
+      end associate
+    end do
+    call list_groups(carried%trimmed(), n_nodes, contact%carrier_first, member)
+    contact%carrier = carriers%trimmed()
+    contact%carrier = contact%carrier(member)
+    if (size(member) > 0) contact%shared_slaves%has_reaction_chains = .true.
+  end subroutine list_carriers
 
 
   !> Rebuilds the grids of the masters that have moved too far since the last build within finite sliding.

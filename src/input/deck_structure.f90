@@ -14,7 +14,7 @@ module amontons_deck_structure
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
-  use amontons_model, only: model_type, free_unknowns, DIALECT_CALCULIX
+  use amontons_model, only: model_type, free_unknowns, dof_direction, DIALECT_CALCULIX
   use amontons_structural_data, only: director_type, structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
@@ -487,12 +487,39 @@ contains
     type(model_type), intent(inout) :: model
     logical, allocatable :: is_bound(:)
     integer :: n
+    if (allocated(model%structure) .and. allocated(model%frame_of)) call turn_inner_ties(model)
     call order_slave_terms(model, is_bound)
     n = count(is_bound)
     if (n > 0) call report_note(reader, 0, plural(n, 'slave node') // verb(n, ' belongs', ' belong') // &
       ' to knots of shells or beams (edges between plates, nodes whose rotations are held or loaded): contact does not ' // &
       'act there. Make this surface the master if they may touch.')
   end subroutine free_slave_nodes
+
+
+  !> Inner nodes of a fibre that are held between the outer ones along a prescribed displacement (`knots`) are so along the local
+  !! direction of the node of the deck. (Those of a parabolic fibre follow in all directions, which may be the local ones.)
+  subroutine turn_inner_ties(model)
+    type(model_type), intent(inout) :: model
+    integer :: i, j, owner(model%mesh%n_nodes)   ! of an inner node: that of the deck; 0
+    real(DP) :: direction(3)
+    owner = 0
+    do i = 1, size(model%structure%directors)
+      associate (director => model%structure%directors(i))
+        if (model%frame_of(director%node) == 0) cycle
+        owner(director%nodes(director%n_outer + 1:)) = director%node
+      end associate
+    end do
+    do i = 1, size(model%equations)
+      associate (equation => model%equations(i))
+        if (owner(equation%node(1)) == 0 .or. size(equation%node) /= 3) cycle
+        direction = dof_direction(model, owner(equation%node(1)), equation%dof(1))
+        equation%n_eliminable = 3
+        equation%node = [(spread(equation%node(j), 1, 3), j=1, 3)]
+        equation%dof = [1, 2, 3, 1, 2, 3, 1, 2, 3]
+        equation%coefficient = [(equation%coefficient(j) * direction, j=1, 3)]
+      end associate
+    end do
+  end subroutine turn_inner_ties
 
 
   !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. The pairs of
