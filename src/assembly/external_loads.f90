@@ -11,12 +11,13 @@ module amontons_external_loads
   use amontons_assembly, only: element_material
   use amontons_element, only: integrate_body_force, integrate_facet_pressure, integrate_edge_pressure, evaluate_point_volumes, &
     ELEMENT_OK
-  use amontons_loads, only: concentrated_type, distributed_type, DISTRIBUTED_PRESSURE, DISTRIBUTED_CENTRIFUGAL, &
-    DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
+  use amontons_loads, only: foundation_type, concentrated_type, distributed_type, DISTRIBUTED_PRESSURE, &
+    DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_materials, only: evaluate_table
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, dof_direction, is_out, load_now, find_finite_rotations, DIALECT_CALCULIX
   use amontons_shape_functions, only: choose_face_rule, shape_functions, quadrature
+  use amontons_face_foundation, only: integrate_face_foundation, integrate_edge_foundation
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
   use amontons_state, only: fields_type, load_time
   use amontons_steps, only: step_type
@@ -26,7 +27,7 @@ module amontons_external_loads
   use amontons_user_state, only: evaluate_dload
   implicit none
   private
-  public :: assemble_external_loads, assemble_reference_loads, integrate_unit_mass, evaluate_density
+  public :: assemble_external_loads, assemble_reference_loads, add_foundation_stiffness, integrate_unit_mass, evaluate_density
 
 contains
 
@@ -77,7 +78,73 @@ contains
         end select
       end associate
     end do
+    if (allocated(model%foundations)) call add_foundation_forces(assembly, model, fields, is_nlgeom, has_stiffness)
   end subroutine assemble_external_loads
+
+
+  !> The forces of all foundations, and what of their stiffness is not symmetric; add_foundation_stiffness adds the rest.
+  subroutine add_foundation_forces(assembly, model, fields, is_nlgeom, has_stiffness)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(inout) :: fields     !< in: u, step; out: applied_force
+    logical, intent(in) :: is_nlgeom, has_stiffness
+    real(DP) :: force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
+    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), i, a, n
+    do i = 1, size(model%foundations)
+      if (is_out(model, fields%step, model%foundations(i)%element)) cycle
+      call evaluate_foundation(model, model%foundations(i), fields, is_nlgeom, n, nodes, local, force, stiffness)
+      do a = 1, n
+        fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
+      end do
+      if (is_nlgeom .and. has_stiffness) call add_face_skew(assembly%skew, nodes(local(:n)), stiffness)
+    end do
+  end subroutine add_foundation_forces
+
+
+  !> Adds the symmetric part of the stiffness of all foundations to K. It belongs to the bulk like that of the elements.
+  subroutine add_foundation_stiffness(assembly, model, fields, is_nlgeom)
+    type(assembly_type), intent(inout) :: assembly
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_nlgeom
+    real(DP) :: force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
+    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), i, n
+    if (.not. allocated(model%foundations)) return
+    do i = 1, size(model%foundations)
+      if (is_out(model, fields%step, model%foundations(i)%element)) cycle
+      call evaluate_foundation(model, model%foundations(i), fields, is_nlgeom, n, nodes, local, force, stiffness)
+      call subtract_symmetric_part(assembly, model%foundations(i)%element, local(:n), nodes, stiffness)
+    end do
+  end subroutine add_foundation_stiffness
+
+
+  !> Forces and stiffness of one foundation.
+  subroutine evaluate_foundation(model, foundation, fields, is_nlgeom, n, nodes, local, force, stiffness)
+    type(model_type), intent(in) :: model
+    type(foundation_type), intent(in) :: foundation
+    type(fields_type), intent(in) :: fields
+    logical, intent(in) :: is_nlgeom
+    integer, intent(out) :: n                      !< nodes of the face
+    integer, intent(out) :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES)   !< of the element; of the face among them
+    real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< [force]
+    real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d u [force/length]
+    type(element_kind_type) :: kind
+    integer :: m
+    associate (mesh => model%mesh, e => foundation%element)
+      kind = element_kind(mesh%kind(e))
+      call element_nodes(mesh, e, m, nodes)
+      local = kind%face_nodes(:, foundation%face)
+      n = count(local > 0)
+      associate (X => mesh%coordinates(:, nodes(local(:n))), u => fields%u(:, nodes(local(:n))))
+        if (has_faces_in_space(mesh%kind(e))) then
+          call integrate_face_foundation(kind%face_kind(foundation%face), X, u, foundation%stiffness, is_nlgeom, force, stiffness)
+        else
+          call integrate_edge_foundation(kind%family, kind%face_kind(foundation%face), X, u, mesh%section_value(e), &
+            foundation%stiffness, is_nlgeom, force, stiffness)
+        end if
+      end associate
+    end associate
+  end subroutine evaluate_foundation
 
 
   !> The change of the applied forces of a RIKS step with its load factor, at the displacements of the fields.

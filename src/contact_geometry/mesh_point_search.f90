@@ -31,6 +31,7 @@ module amontons_mesh_point_search
     integer :: n_nodes = 0
     integer :: nodes(MAX_ELEMENT_NODES) = 0            !< of this element
     real(DP) :: weights(MAX_ELEMENT_NODES) = 0         !< shape functions at the place [-]
+    real(DP) :: xi(3) = 0                              !< its natural coordinates [-]
     real(DP) :: distance = huge(1.0_DP)                !< from the place to the point; 0 inside [length]
   end type located_point_type
 
@@ -126,20 +127,21 @@ contains
     type(facet_search_type), intent(in) :: search
     type(located_point_type), intent(inout) :: located
     integer, allocatable :: list(:)
-    real(DP) :: weights(MAX_ELEMENT_NODES), distance, size_of_element
+    real(DP) :: weights(MAX_ELEMENT_NODES), xi(3), distance, size_of_element
     integer :: i, e, n
     call find_near_facets(search, point, list, n)
     do i = 1, n
       e = list(i)
       associate (own => elements%nodes(elements%first(e):elements%first(e + 1) - 1))
         if (box_distance(x(:, own), point, size_of_element) >= located%distance) cycle
-        call nearest_in_element(kind(e), x(:, own), point, weights, distance)
+        call nearest_in_element(kind(e), x(:, own), point, weights, distance, xi)
         if (distance <= TOL_ON_ELEMENT * size_of_element) distance = 0
         if (distance >= located%distance) cycle
         located%element = e
         located%n_nodes = size(own)
         located%nodes(:size(own)) = own
         located%weights = weights
+        located%xi = xi
         located%distance = distance
       end associate
       if (.not. located%distance > 0) exit
@@ -162,12 +164,13 @@ contains
 
 
   !> The point of an element nearest to a given one, by its shape functions.
-  pure subroutine nearest_in_element(kind, x, point, weights, distance)
+  pure subroutine nearest_in_element(kind, x, point, weights, distance, natural)
     integer, intent(in) :: kind                        !< KIND_...
     real(DP), intent(in) :: x(:, :)                    !< (3, nodes) [length]
     real(DP), intent(in) :: point(3)                   !< [length]
     real(DP), intent(out) :: weights(MAX_ELEMENT_NODES)!< [-]
     real(DP), intent(out) :: distance                  !< [length]
+    real(DP), intent(out), optional :: natural(3)      !< its natural coordinates [-]
     real(DP) :: bound(3, MAX_BOUNDS), limit(MAX_BOUNDS), xi(3), step(3), rest(3), J(3, 3), trial_weights(MAX_ELEMENT_NODES)
     real(DP) :: trial_rest(3), trial_J(3, 3), share
     integer :: n_dims, n_bounds, iteration, k
@@ -189,6 +192,7 @@ contains
       if (maxval(abs(share * step)) <= TOL_STEP) exit
     end do
     distance = norm2(rest)
+    if (present(natural)) natural = xi
 
   contains
 

@@ -18,6 +18,7 @@ module amontons_analysis
   use amontons_assembly, only: share_points, sum_spring_energies
   use amontons_text, only: to_text, plural
   use amontons_logger, only: logger_type
+  use amontons_materials, only: has_no_energy
   use amontons_model, only: model_type, job_options_type
   use amontons_steps, only: step_type, SOLVER_GRADIENTS
   use amontons_contact_rounds, only: comparable_iterations
@@ -737,14 +738,11 @@ contains
   pure logical function has_energy_balance(model, step)
     type(model_type), intent(in) :: model
     type(step_type), intent(in) :: step
-    integer :: m
     has_energy_balance = .not. (step%is_dynamic .or. step%is_riks .or. step%has_creep .or. allocated(step%is_inactive) .or. &
       allocated(step%is_reactivated) .or. allocated(step%is_relieved) .or. allocated(step%material) .or. &
       allocated(step%is_removed) .or. allocated(step%interference) .or. allocated(step%is_shrink_fit))
     if (has_energy_balance .and. allocated(step%temperatures)) has_energy_balance = size(step%temperatures) == 0
-    do m = 1, size(model%materials)
-      has_energy_balance = has_energy_balance .and. .not. allocated(model%materials(m)%prony)
-    end do
+    has_energy_balance = has_energy_balance .and. .not. any(has_no_energy(model%materials))
   end function has_energy_balance
 
 

@@ -1,9 +1,10 @@
 !> Submodels: the displacements and temperatures that driven nodes take from the results of a global model.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Each driven node is located once in the undeformed global mesh; its values are interpolated there by the shape functions. Nodes
-!! outside take those of the nearest point. The history of the global step becomes a table over the step time for each
-!! displacement; under the calculix dialect, as in CalculiX, the last increment of the step is approached linearly.
+!! Each driven node is located once in the undeformed global mesh; its values are interpolated there by the shape functions, its
+!! rotations by their gradient (`driven_directors`). Nodes outside take those of the nearest point. The history of the global step
+!! becomes a table over the step time for each displacement; under the calculix dialect, as in CalculiX, the last increment of the
+!! step is approached linearly.
 module amontons_submodel_results
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
@@ -11,6 +12,7 @@ module amontons_submodel_results
   use amontons_global_results, only: global_results_type, global_frame_type, open_global_results, close_global_results, &
     find_global_frames, read_global_field, find_global_set, GLOBAL_DISPLACEMENT, GLOBAL_TEMPERATURE
   use amontons_deck_restart, only: folder_name
+  use amontons_driven_directors, only: driven_director_type, find_driven_directors, add_director_motion, continue_rotations
   use amontons_loads, only: amplitude_type, load_type, load_value, AMPLITUDE_TABLE
   use amontons_logger, only: logger_type
   use amontons_mesh_point_search, only: located_point_type, locate_points, mean_element_size, &
@@ -27,8 +29,11 @@ module amontons_submodel_results
   !> The driven nodes of one SUBMODEL card in the global model.
   type :: driven_nodes_type
     integer, allocatable :: nodes(:)                 !< driven in some step
-    integer, allocatable :: at(:)                    !< (n_nodes of the mesh) index into nodes, 0: not driven by this card
+    integer, allocatable :: at(:)                    !< (n_nodes of the mesh) index into nodes, of rotation nodes too; 0: not driven
+                                                     !! by this card
     type(located_point_type), allocatable :: located(:)   !< (nodes)
+    integer, allocatable :: owner(:)                 !< (n_nodes of the mesh) the node itself, of a rotation node its node
+    type(driven_director_type), allocatable :: directors(:)   !< (nodes) of shells and beams
     type(global_frame_type), allocatable :: frames(:)     !< increments with the field of the last request
     integer :: field = 0                             !< this field, GLOBAL_...
   end type driven_nodes_type
@@ -114,15 +119,22 @@ contains
     is_member = .false.
     is_member(model%submodels(s)%nodes) = .true.
     is_driven = .false.
+    driven%owner = [(k, k=1, model%mesh%n_nodes)]
+    if (allocated(model%rotation_of)) then
+      do k = 1, size(model%rotation_of)
+        if (model%rotation_of(k) > 0) driven%owner(model%rotation_of(k)) = k
+      end do
+    end if
     do i = 1, size(model%steps)
       associate (prescribed => model%steps(i)%prescribed, temperatures => model%steps(i)%temperatures)
-        is_driven(pack(prescribed%node, prescribed%global_step /= 0)) = .true.
+        is_driven(driven%owner(pack(prescribed%node, prescribed%global_step /= 0))) = .true.
         is_driven(pack(temperatures%node, temperatures%global_step /= 0)) = .true.
       end associate
     end do
     driven%nodes = pack([(k, k=1, model%mesh%n_nodes)], is_member .and. is_driven)
     allocate (driven%at(model%mesh%n_nodes), source=0)
     driven%at(driven%nodes) = [(k, k=1, size(driven%nodes))]
+    driven%at = driven%at(driven%owner)
   end subroutine find_driven_nodes
 
 
@@ -150,6 +162,10 @@ contains
         mean_element_size(first, nodes, results%coordinates))
       call report_nodes_outside(model, submodel, results, driven, tolerance, logger, error)
     end associate
+    if (allocated(error)) return
+    call find_driven_directors(model, driven%nodes, kind, first, nodes, results%coordinates, driven%located, driven%directors, &
+      error)
+    if (allocated(error)) error%message = error%message // ' (global model: ' // results%path // ')'
   end subroutine locate_driven_nodes
 
 
@@ -252,7 +268,7 @@ contains
     type(history_type) :: history
     logical :: is_done(size(model%steps(i)%prescribed))
     real(DP) :: direction(3)
-    integer :: k, m
+    integer :: k, m, row
     associate (loads => model%steps(i)%prescribed)
       is_done = loads%global_step == 0 .or. driven%at(loads%node) == 0
       do while (.not. all(is_done))                  ! loads of one global step at a time
@@ -265,7 +281,8 @@ contains
         do k = k, size(loads)
           if (is_done(k) .or. loads(k)%global_step /= history%step .or. (loads(k)%is_time_scaled .neqv. history%is_scaled)) cycle
           direction = dof_direction(model, loads(k)%node, loads(k)%dof)
-          associate (values => history%values(:, driven%at(loads(k)%node), :))
+          row = merge(1, 4, driven%owner(loads(k)%node) == loads(k)%node)   ! rotations follow the displacements
+          associate (values => history%values(row:row + 2, driven%at(loads(k)%node), :))
             call set_load(history%time, [(dot_product(direction, values(:, m)), m=1, size(history%time))], &
               loads(k)%load_type, amplitudes, n_used)
           end associate
@@ -358,14 +375,16 @@ contains
     if (allocated(history%values)) deallocate (history%values)
     do m = 1, size(chosen)
       if (chosen(m) == 0) then
-        if (field == GLOBAL_DISPLACEMENT) allocate (values(3, size(driven%nodes)), source=0.0_DP)
+        if (field == GLOBAL_DISPLACEMENT) allocate (values(6, size(driven%nodes)), source=0.0_DP)
         if (field == GLOBAL_TEMPERATURE) values = reshape(initial_temperatures(model, driven%nodes), [1, size(driven%nodes)])
       else
-        call interpolate_frame(model, results, driven, field, driven%frames(chosen(m)), values, error)
+        call interpolate_frame(model, results, driven, field, driven%frames(chosen(m)), model%steps(i)%is_nlgeom, values, error)
         if (allocated(error)) return
         if (m > 1 .or. size(chosen) == 1) history%time(m) = driven%frames(chosen(m))%step_time
       end if
       if (m == 1) allocate (history%values(size(values, 1), size(values, 2), size(chosen)))
+      if (m > 1 .and. field == GLOBAL_DISPLACEMENT .and. model%steps(i)%is_nlgeom) call continue_rotations( &
+        history%values(4:, :, m - 1), values(4:, :))
       history%values(:, :, m) = values
       deallocate (values)
     end do
@@ -459,20 +478,22 @@ contains
 
 
   !> The field at the driven nodes in one increment.
-  subroutine interpolate_frame(model, results, driven, field, frame, values, error)
+  subroutine interpolate_frame(model, results, driven, field, frame, is_nlgeom, values, error)
     type(model_type), intent(in) :: model
     type(global_results_type), intent(inout) :: results
     type(driven_nodes_type), intent(in) :: driven
     integer, intent(in) :: field                     !< GLOBAL_...
     type(global_frame_type), intent(in) :: frame
-    real(DP), allocatable, intent(out) :: values(:, :)   !< (width, nodes)
+    logical, intent(in) :: is_nlgeom                 !< rotations are finite
+    real(DP), allocatable, intent(out) :: values(:, :)   !< (6 or 1, nodes) displacements and rotations, temperatures
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: nodal(:, :)
     logical, allocatable :: is_given(:)
-    integer :: k
+    integer :: k, width
     call read_global_field(results, field, frame, nodal, is_given, error)
     if (allocated(error)) return
-    allocate (values(merge(3, 1, field == GLOBAL_DISPLACEMENT), size(driven%nodes)))
+    width = merge(3, 1, field == GLOBAL_DISPLACEMENT)
+    allocate (values(merge(6, 1, field == GLOBAL_DISPLACEMENT), size(driven%nodes)), source=0.0_DP)
     do k = 1, size(driven%nodes)
       associate (at => driven%located(k))
         if (.not. all(is_given(at%nodes(:at%n_nodes)))) then
@@ -480,7 +501,9 @@ contains
             // 'around node ' // to_text(model%mesh%node_label(driven%nodes(k))) // ' has others: request them without NSET.')
           return
         end if
-        values(:, k) = matmul(nodal(:size(values, 1), at%nodes(:at%n_nodes)), at%weights(:at%n_nodes))
+        values(:width, k) = matmul(nodal(:width, at%nodes(:at%n_nodes)), at%weights(:at%n_nodes))
+        if (field == GLOBAL_DISPLACEMENT) call add_director_motion(driven%directors(k), nodal(:3, at%nodes(:at%n_nodes)), &
+          is_nlgeom, values(:, k))
       end associate
     end do
   end subroutine interpolate_frame

@@ -35,7 +35,7 @@ module amontons_newton_step
   use amontons_unsymmetric_tangent, only: assemble_skew, has_unsymmetric_law
   use amontons_assembly_plan, only: complete_diagonal
   use amontons_assembly, only: assemble_tangent, assemble_nodal_stiffness
-  use amontons_external_loads, only: assemble_external_loads, assemble_reference_loads
+  use amontons_external_loads, only: assemble_external_loads, assemble_reference_loads, add_foundation_stiffness
   use amontons_user_element_forces, only: add_user_stiffness
   use amontons_tangent_solution, only: solve_constrained_system, follow_path, tangent_type, is_skin_cheaper
   use amontons_contact_linearization, only: linearize_contact, drop_unsymmetric_terms, add_contact_rows, has_spring
@@ -304,7 +304,7 @@ contains
   end subroutine assemble_bulk
 
 
-  !> K of the elements, user elements included.
+  !> K of the elements, user elements and foundations included.
   subroutine assemble_element_tangent(system, model, step, state, failed)
     type(equilibrium_type), intent(inout) :: system
     type(model_type), intent(in) :: model
@@ -313,6 +313,7 @@ contains
     integer, intent(out) :: failed                 !< 0, or the first element that is inverted or not finite
     call assemble_tangent(system%assembly, model, step%is_nlgeom, state, failed)
     if (failed == 0 .and. allocated(model%user_elements)) call add_user_stiffness(system%assembly, model, step, state, failed)
+    if (failed == 0) call add_foundation_stiffness(system%assembly, model, state%new, step%is_nlgeom)
   end subroutine assemble_element_tangent
 
 

@@ -12,7 +12,7 @@ module amontons_equivalent_layers
   use amontons_tensor, only: VOIGT_ROW, VOIGT_COLUMN
   implicit none
   private
-  public :: equivalent_layers_type, find_equivalent_layers
+  public :: equivalent_layers_type, find_equivalent_layers, transverse_shear_moduli
   public :: N_EQUIVALENT_LAYERS, LAYERS_OK, LAYERS_INDEFINITE, LAYERS_IMPOSSIBLE
 
   integer, parameter :: LAYERS_OK = 0
@@ -31,7 +31,7 @@ module amontons_equivalent_layers
   type :: equivalent_layers_type
     real(DP) :: thickness = 0                      !< of a layer [length]
     real(DP) :: Q(3, 3, N_EQUIVALENT_LAYERS) = 0   !< of stress 11, 22, 12 over strain, engineering shear; layers last [stress]
-    real(DP) :: transverse_shear = 0               !< G13 = G23 of all layers [stress]
+    real(DP) :: transverse_shear = 0               !< of the section, shear force over strain, in both directions [force/length]
     real(DP) :: thickness_modulus = 0              !< of stress 33, uncoupled [stress]
   end type equivalent_layers_type
 
@@ -69,12 +69,60 @@ contains
         do k = 1, N_EQUIVALENT_LAYERS
           layers%Q(:, :, k) = matmul(root, matmul(P(:, :, k), root)) / total
         end do
-        layers%transverse_shear = ((stiffness(1, 1) + stiffness(2, 2)) / 6 + stiffness(3, 3) / 3) / total
+        layers%transverse_shear = (stiffness(1, 1) + stiffness(2, 2)) / 6 + stiffness(3, 3) / 3
         layers%thickness_modulus = 0.5_DP * (stiffness(1, 1) + stiffness(2, 2)) / total
       end associate
       return
     end do
   end subroutine find_equivalent_layers
+
+
+  !> The shear moduli 13, 23 that all layers of a stack need to have a given transverse shear stiffness.
+  !!
+  !! A shear force Q_a makes the shear stress c_a(z) Q_a by the equilibrium of the bending stresses along direction a, as the
+  !! elements of the layers have it: constant over a layer of linear elements, linear over one of quadratic elements. The work of
+  !! the stresses gives K^-1_ab = G^-1_ab integral of c_a c_b. One linear layer: G = K/h. Theory: doc/theory/elements.md.
+  pure function transverse_shear_moduli(K, thickness, modulus, is_quadratic) result(G)
+    real(DP), intent(in) :: K(2, 2)                !< positive definite: shear forces over strains 13, 23 [force/length]
+    real(DP), intent(in) :: thickness(:)           !< (layers) from bottom to top [length]
+    real(DP), intent(in) :: modulus(:, :)          !< (2, layers) of stress 11 and 22 over its strain [stress]
+    logical, intent(in) :: is_quadratic            !< the displacement of a layer is quadratic over its thickness
+    real(DP) :: G(2, 2)                            !< [stress]
+    real(DP) :: middle(size(thickness)), mean(size(thickness), 2), slope(size(thickness), 2), compliance(2, 2)
+    real(DP) :: neutral, bending, before, lever
+    integer :: a, b, l
+    middle = [(sum(thickness(:l)) - 0.5_DP * thickness(l), l=1, size(thickness))]
+    do a = 1, 2
+      associate (E => modulus(a, :), t => thickness)
+        neutral = sum(E * t * middle) / sum(E * t)
+        bending = sum(E * t * ((middle - neutral)**2 + t**2 / 12))
+        before = 0                                 ! shear stress at the bottom of the layer
+        do l = 1, size(t)
+          lever = E(l) * (middle(l) - neutral) / bending
+          mean(l, a) = before - t(l) * (lever / 2 - E(l) * t(l) / (12 * bending))
+          before = before - t(l) * lever
+          slope(l, a) = merge(-0.5_DP * t(l) * lever, 0.0_DP, is_quadratic)
+        end do
+      end associate
+    end do
+    compliance = inverse_of(K)
+    do b = 1, 2
+      do a = 1, 2
+        compliance(a, b) = compliance(a, b) / sum(thickness * (mean(:, a) * mean(:, b) + slope(:, a) * slope(:, b) / 3))
+      end do
+    end do
+    G = inverse_of(compliance)
+
+  contains
+
+    !> The inverse of a symmetric matrix.
+    pure function inverse_of(M) result(inverse)
+      real(DP), intent(in) :: M(2, 2)
+      real(DP) :: inverse(2, 2)
+      inverse = reshape([M(2, 2), -M(2, 1), -M(1, 2), M(1, 1)], [2, 2]) / (M(1, 1) * M(2, 2) - M(1, 2) * M(2, 1))
+    end function inverse_of
+
+  end function transverse_shear_moduli
 
 
   !> The analytic centre of positive definite P of equal layers on -1/2 to 1/2 with given moments: P^-1 = L_0 + z L_1 + z^2 L_2,

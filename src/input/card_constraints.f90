@@ -1,10 +1,10 @@
-!> The cards EQUATION and EMBEDDED ELEMENT.
+!> The cards EQUATION, EMBEDDED ELEMENT and FOUNDATION.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_constraints
   use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_BOTH, VALUE_NAME, VALUE_REAL, VALUE_TEXT, VALUE_OPTIONAL_WORD
   implicit none
   private
-  public :: describe_equation, describe_embedded_elements
+  public :: describe_equation, describe_embedded_elements, describe_foundation
 
 contains
 
@@ -33,5 +33,14 @@ contains
     call table%option('ROUNDOFF TOLERANCE', VALUE_REAL, 'Weights of the nodes of a host below it are left out.', default='1e-6')
     call table%add_dialect_note('CalculiX does not know the card and passes over it; here it holds in both dialects.')
   end subroutine describe_embedded_elements
+
+
+  !> FOUNDATION.
+  subroutine describe_foundation(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('FOUNDATION', SCOPE_MODEL, 'Springs to the ground on faces of elements, along their normal, for ' // &
+      'pressure and tension alike; under NLGEOM they turn with the face. Abaqus dialect.', data='element or element set; ' // &
+      'F1 to F6 for the face of a solid or a plane element, F for a shell or a membrane; stiffness, a force per length and area')
+  end subroutine describe_foundation
 
 end module amontons_card_constraints

@@ -56,6 +56,10 @@ contains
     call table%option('MODULI', VALUE_WORD, 'With VISCOELASTIC: which moduli the constants are.', allowed= &
       'LONG TERM|INSTANTANEOUS', default='LONG TERM')
     call describe_field_variables(table)
+    call table%card('NO COMPRESSION', SCOPE_MODEL, 'Modifies ELASTIC: negative principal stresses of the elasticity ' // &
+      'become zero. Abaqus dialect.', parent='MATERIAL')
+    call table%card('NO TENSION', SCOPE_MODEL, 'Modifies ELASTIC: positive principal stresses of the elasticity become ' // &
+      'zero. Abaqus dialect.', parent='MATERIAL')
   end subroutine describe_elastic
 
 
@@ -294,6 +298,11 @@ contains
     call table%option('ZERO|DEPENDENCIES|USER|VARIABLES|PROPERTIES|I PROPERTIES|BENDING ONLY|MEMBRANE ONLY|SMEAR ALL LAYERS|' // &
       'STACK DIRECTION|SYMMETRIC|SHELL THICKNESS|UNSYMM', VALUE_TEXT, 'Give constant numbers, or each layer.', &
       status=ENTRY_REJECTED)
+    call table%card('TRANSVERSE SHEAR STIFFNESS', SCOPE_MODEL, 'Directly below the section of shells, or of beams by their ' // &
+      'section: its stiffness against transverse shear, in place of that of the material. Abaqus dialect.', &
+      parent='SHELL SECTION|SHELL GENERAL SECTION|BEAM SECTION|BEAM GENERAL SECTION', data='shells: K11, K22, K12, forces per ' // &
+      'length over the shear strains 13, 23; beams: K23, K13, forces over the shear strains along direction 2, 1, and a ' // &
+      'slenderness compensation factor or SCF, which has no effect. Of the first two one may be blank, and is then the other')
     call table%card('MEMBRANE SECTION', SCOPE_MODEL, 'Gives membranes their material and thickness.', data='thickness')
     call table%option('ELSET', VALUE_NAME, 'The membranes.', default='required')
     call table%option('MATERIAL', VALUE_NAME, 'Their material.', default='required')

@@ -5,7 +5,7 @@
 !! procedure in the reader.
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
-  use amontons_card_constraints, only: describe_equation, describe_embedded_elements
+  use amontons_card_constraints, only: describe_equation, describe_embedded_elements, describe_foundation
   use amontons_card_submodels, only: describe_submodel, describe_global_step
   use amontons_card_schema, only: card_table_type, render_card_table, SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_IGNORED, &
     ENTRY_REJECTED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, &
@@ -32,6 +32,7 @@ contains
     call describe_general_contact(table)
     call describe_equation(table)
     call describe_embedded_elements(table)
+    call describe_foundation(table)
     call describe_submodel(table)
     call describe_contact_changes(table)
     call describe_amplitude(table)
@@ -808,8 +809,8 @@ contains
       'CRUSHABLE FOAM|CRUSHABLE FOAM HARDENING|CONCRETE|CONCRETE DAMAGED PLASTICITY|CONCRETE COMPRESSION ' // &
       'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
       'HARDENING|CAST IRON TENSION HARDENING|DAMAGE INITIATION|DAMAGE EVOLUTION|DAMAGE STABILIZATION|' // &
-      'POTENTIAL|POROUS ELASTIC|POROUS METAL PLASTICITY|MULLINS EFFECT|HYSTERESIS|LOW DENSITY FOAM|NO ' // &
-      'COMPRESSION|NO TENSION|FAIL STRAIN|FAIL STRESS|SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
+      'POTENTIAL|POROUS ELASTIC|POROUS METAL PLASTICITY|MULLINS EFFECT|HYSTERESIS|LOW DENSITY FOAM|' // &
+      'FAIL STRAIN|FAIL STRESS|SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
       'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
       'VISCOUS|UNIAXIAL TEST DATA|BIAXIAL TEST DATA|PLANAR TEST DATA|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
       'Give the material with *ELASTIC, *PLASTIC, *DRUCKER PRAGER, *MOHR COULOMB, *CREEP, *HYPERELASTIC or *HYPERFOAM, or by ' // &
@@ -870,7 +871,7 @@ contains
       'by *TEMPERATURE.')
     call table%cards_with(ENTRY_REJECTED, 'BASE MOTION|CORRELATION LENGTH|FLOW|SFLOW|DFLOW|DECHARGE|CECHARGE|MASS FLOW|LIMIT ' // &
       'VELOCITY|VALUES AT INFINITY|SELECT CYCLIC SYMMETRY MODES|SELECT EIGENMODES|INERTIA RELIEF|LOAD CASE|END ' // &
-      'LOAD CASE|FOUNDATION|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
+      'LOAD CASE|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
       'GEOMETRIC CONSTRAINT|GEOMETRIC TOLERANCES|RANDOM FIELD|RETAINED NODAL DOFS|SUBSTRUCTURE MATRIX OUTPUT|' // &
       'SUBSTRUCTURE PATH|SUBSTRUCTURE LOAD CASE', 'The loads are those of *BOUNDARY, *CLOAD and *DLOAD.')
   end subroutine describe_rejected_procedures
@@ -886,9 +887,6 @@ contains
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ELASTICITY|CONNECTOR MOTION|' // &
       'CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'The sections are *SOLID SECTION, *SHELL SECTION, *MEMBRANE SECTION and *BEAM SECTION.')
-    call table%cards_with(ENTRY_REJECTED, 'TRANSVERSE SHEAR STIFFNESS|TRANSVERSE SHEAR', 'Shells and beams are solids here: ' // &
-      'their shear stiffness is that of the material over the thickness. Give it by G13 and G23 of *ELASTIC (ENGINEERING ' // &
-      'CONSTANTS or LAMINA).')
     call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|PARAMETER TABLE', &
       'Write the nodes, elements and numbers themselves.')
     call table%cards_with(ENTRY_REJECTED, 'SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &

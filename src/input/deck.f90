@@ -19,6 +19,7 @@ module amontons_deck
   use amontons_deck_surfaces, only: read_heading, read_amplitudes, read_surfaces, read_equations
   use amontons_deck_contact, only: read_interactions, read_pairs, read_clearances
   use amontons_deck_embedded, only: read_embedded_elements
+  use amontons_deck_foundations, only: read_foundations
   use amontons_deck_general_contact, only: read_general_contact
   use amontons_deck_couplings, only: read_transforms, read_couplings
   use amontons_deck_parts, only: flatten_parts
@@ -168,6 +169,7 @@ contains
     call read_cyclic_symmetry(reader, model)
     call read_clearances(reader, model)
     call read_embedded_elements(reader, model)
+    call read_foundations(reader, model)
     call read_equations(reader, model)
     call read_orientations(reader, model)
     call read_initial_conditions(reader, model)

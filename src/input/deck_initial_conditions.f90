@@ -4,7 +4,7 @@ module amontons_deck_initial_conditions
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_real
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
-  use amontons_deck_submodel, only: read_global_step, check_driven_nodes
+  use amontons_deck_submodel, only: read_global_step, check_driven_nodes, check_driven_temperatures
   use amontons_deck_structure, only: spread_temperature, is_shell
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, read_integer, check_n_fields, &
     check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
@@ -718,7 +718,8 @@ contains
       is_ok = .true.
       call read_node_temperatures(reader, row, model, nodes, values, is_ok)
       if (is_ok .and. common%global_step /= 0) then
-        call check_driven_nodes(reader, model, row, nodes, is_ok)
+        call check_driven_temperatures(reader, model, row, nodes, is_ok)
+        if (is_ok) call check_driven_nodes(reader, model, row, nodes, is_ok)
         if (is_ok .and. row%n > 1) then
           if (field_text(reader%cards, row, 2) /= '') call report_error(reader, row%line, 'The global model gives the ' // &
             'temperature: write the node or node set alone.')

@@ -7,7 +7,7 @@ module amontons_deck_loads
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text, field_integer
   use amontons_card_schema, only: has_parameter, parameter_word
   use amontons_deck_surfaces, only: face_number
-  use amontons_deck_submodel, only: read_global_step, check_driven_nodes
+  use amontons_deck_submodel, only: read_global_step, check_driven_nodes, check_driven_dofs
   use amontons_deck_structure, only: is_shell, structural_face, OTHER_LAYER
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, report_error, &
     report_note, read_real, read_integer, check_n_fields, &
@@ -21,9 +21,9 @@ module amontons_deck_loads
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     find_or_add_place, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
-  use amontons_tensor, only: cross_product
+  use amontons_mesh, only: mean_face_normal
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, FAMILY_AXISYMMETRIC, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, &
     has_faces_in_space
   implicit none
   private
@@ -113,7 +113,10 @@ contains
     new%line = reader%cards%line_number(row%line)
     call nodes_of_field(reader, model%mesh, row, 1, nodes, is_ok)
     call read_dofs(reader, row, is_fixed, new%end, is_word, is_ok)
-    if (is_ok .and. common%global_step /= 0) call check_driven_row(reader, model, row, nodes, is_fixed, new%end, is_ok)
+    if (is_ok .and. common%global_step /= 0) then
+      call check_driven_nodes(reader, model, row, nodes, is_ok)
+      if (is_ok) call check_driven_dofs(reader, model, row, nodes, is_fixed, new%end, is_ok)
+    end if
     if (.not. is_ok) return
     n_passed = 0
     do i = 1, size(nodes)
@@ -132,24 +135,6 @@ contains
       call report_note(reader, row%line, 'The nodes of solids have no rotations; the degrees of freedom 4 to 6 are passed over.')
     end if
   end subroutine read_boundary_row
-
-
-  !> Reports what a row of displacements by a global model cannot have.
-  subroutine check_driven_row(reader, model, row, nodes, is_fixed, value, is_ok)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
-    type(data_row_type), intent(in) :: row
-    integer, intent(in) :: nodes(:)
-    logical, intent(in) :: is_fixed(6)
-    real(DP), intent(in) :: value                !< the fourth field [length]
-    logical, intent(inout) :: is_ok
-    call check_driven_nodes(reader, model, row, nodes, is_ok)
-    if (any(is_fixed(4:)) .or. abs(value) > 0) then
-      call report_error(reader, row%line, 'A global model gives the displacements 1 to 3 of its solids: write node or node ' // &
-        'set, first and last degree of freedom (1 to 3), and no value.')
-      is_ok = .false.
-    end if
-  end subroutine check_driven_row
 
 
   !> The node and direction of a degree of freedom: 4 to 6 of a reference node are the displacements of its rotation node.
@@ -500,7 +485,7 @@ contains
     integer :: i
     allocate (place%face_directions(3, size(place%faces)))
     do i = 1, size(place%faces)
-      normal = face_normal(model, place%elements(i), place%faces(i))
+      normal = mean_face_normal(model%mesh, place%elements(i), place%faces(i))
       along = place%direction - dot_product(place%direction, normal) * normal
       if (norm2(along) < MIN_SHEAR_PART) then
         call report_error(reader, row%line, 'The direction of TRSHR is normal to face S' // to_text(place%faces(i)) // &
@@ -511,29 +496,6 @@ contains
       place%face_directions(:, i) = along / norm2(along)
     end do
   end subroutine project_on_faces
-
-
-  !> The mean unit normal of a face by its corners; of an edge within the plane.
-  pure function face_normal(model, e, face) result(normal)
-    type(model_type), intent(in) :: model
-    integer, intent(in) :: e, face                 !< element, number of its face
-    real(DP) :: normal(3)
-    type(element_kind_type) :: entry
-    type(facet_kind_type) :: facet
-    real(DP) :: x(3, 4)
-    integer :: n
-    entry = element_kind(model%mesh%kind(e))
-    facet = facet_kind(entry%face_kind(face))
-    n = facet%n_corners
-    x(:, :n) = model%mesh%coordinates(:, model%mesh%nodes(model%mesh%first(e) - 1 + entry%face_nodes(:n, face)))
-    if (n == 2) then
-      normal = [x(2, 2) - x(2, 1), x(1, 1) - x(1, 2), 0.0_DP]
-    else
-      normal = cross_product(x(:, 3) - x(:, 1), x(:, n) - x(:, 2))
-      if (n == 3) normal = cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
-    end if
-    normal = normal / norm2(normal)
-  end function face_normal
 
 
   !> Row: element or element set, P1 to P6, pressure.

@@ -8,8 +8,10 @@ module amontons_deck_materials
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
   use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history, is_creep_by_name
   use amontons_deck_property_tables, only: read_table, read_curves
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name, &
+    check_no_data
   use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
+  use amontons_elasticity, only: elasticity_matrix
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, is_linear_elastic, &
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
@@ -21,7 +23,7 @@ module amontons_deck_materials
   use amontons_text, only: upper_case, to_text, parse_integer, parse_real, NUMBER_OK
   implicit none
   private
-  public :: read_materials, add_section_material, add_anisotropic_material, finalize_materials, read_plastic
+  public :: read_materials, add_section_material, add_anisotropic_material, add_sheared_material, finalize_materials, read_plastic
 
   integer, parameter :: MAX_STATEV = 100000
 
@@ -79,6 +81,10 @@ contains
     select case (reader%table%entries(reader%cards%cards(c)%entry)%key)
     case ('ELASTIC')
       call read_elastic(reader, c, material)
+    case ('NOCOMPRESSION')
+      call read_cutoff(reader, c, 1, material)
+    case ('NOTENSION')
+      call read_cutoff(reader, c, -1, material)
     case ('DENSITY')
       call read_density(reader, c, material)
     case ('EXPANSION')
@@ -119,6 +125,28 @@ contains
       call read_depvar(reader, c, material)
     end select
   end subroutine read_property
+
+
+  !> NO COMPRESSION or NO TENSION.
+  subroutine read_cutoff(reader, c, side, material)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    integer, intent(in) :: side                  !< 1: tension is carried, -1: compression
+    type(material_type), intent(inout) :: material
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    call open_card(reader, c, parameters, row)
+    if (next_row(reader%cards, row)) call check_no_data(reader, row)
+    if (reader%dialect == DIALECT_CALCULIX) then
+      call report_error(reader, reader%cards%cards(c)%line, 'CalculiX has no *NO COMPRESSION and *NO TENSION: give E and the ' // &
+        'largest stress of the other side by *USER MATERIAL, CONSTANTS=2 of a material whose name begins with TENSION_ONLY or ' // &
+        'COMPRESSION_ONLY.')
+    else if (material%cutoff_sign /= 0) then
+      call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // material%name // ''' has *NO COMPRESSION or ' // &
+        '*NO TENSION before this card. One of them leaves the stress of the other sign; both leave none.')
+    end if
+    material%cutoff_sign = side
+  end subroutine read_cutoff
 
 
   !> Whether a card defines a second stress law of a material: rubber or foam after any, UMAT after UMAT, ELASTIC
@@ -209,6 +237,40 @@ contains
   end subroutine add_anisotropic_material
 
 
+  !> Adds a material that is another one with given shear moduli 13, 23; linear elastic.
+  subroutine add_sheared_material(model, original, G)
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: original              !< index of the material
+    real(DP), intent(in) :: G(2, 2)              !< of the stresses 13, 23 over their strains [stress]
+    type(material_type) :: material
+    real(DP), allocatable :: constants(:, :)
+    real(DP) :: C(6, 6)
+    integer, parameter :: DECK_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
+    integer :: i, j, k, t
+    material = model%materials(original)
+    allocate (constants(21, size(material%elastic%value, 2)))
+    do t = 1, size(constants, 2)
+      C = elasticity_matrix(material%elastic_kind, material%elastic%value(:, t))
+      C(:, 5:) = 0
+      C(5:, :) = 0
+      C(6, 6) = G(1, 1)                          ! 13
+      C(5, 5) = G(2, 2)                          ! 23
+      C(5, 6) = G(1, 2)
+      C(6, 5) = G(1, 2)
+      k = 0
+      do j = 1, 6
+        do i = 1, j
+          k = k + 1
+          constants(k, t) = C(DECK_ORDER(i), DECK_ORDER(j))
+        end do
+      end do
+    end do
+    material%elastic%value = constants
+    material%elastic_kind = ELASTIC_ANISOTROPIC
+    model%materials = [model%materials, material]
+  end subroutine add_sheared_material
+
+
   !> Reports a material without elasticity, or with incompatible properties.
   subroutine check_material(reader, line, material)
     type(reader_type), intent(inout) :: reader
@@ -236,6 +298,10 @@ contains
     call complete_viscoelastic(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
     is_nonlinear = material%has_deformation_plasticity .or. material%is_corotational .or. .not. is_linear_elastic(material)
+    if (material%cutoff_sign /= 0 .and. (is_nonlinear .or. has_yield .or. material%creep_law /= CREEP_NONE .or. allocated( &
+      material%prony) .or. material%is_user .or. material%inelastic_law /= INELASTIC_NONE)) call report_error(reader, line, who // &
+      'has *NO COMPRESSION or *NO TENSION beside a law that is not linear elastic. They are for *ELASTIC alone; soil and ' // &
+      'concrete that yield are *MOHR COULOMB or *DRUCKER PRAGER.')
     if (material%inelastic_law /= INELASTIC_NONE .and. (has_yield .or. material%creep_law /= CREEP_NONE)) call report_error( &
       reader, line, who // 'has *PLASTIC or *CREEP beside a law of flow by its name; give one.')
     if (is_creep_by_name(material) .and. has_yield) call report_error(reader, line, who // 'has *PLASTIC beside creep by its ' // &
@@ -370,15 +436,16 @@ contains
         if (allocated(material%kinematic_hardening)) material%n_history = HISTORY_BACK + 5
         if (material%n_inner > 0) material%n_history = material%inner_first + material%n_inner - 1
         material%is_linear_isotropic = material%elastic_kind == ELASTIC_ISOTROPIC .and. material%n_history == 0 .and. &
-          .not. (material%is_corotational .or. allocated(material%expansion%value) .or. material%has_deformation_plasticity)
+          .not. (material%is_corotational .or. material%cutoff_sign /= 0 .or. &
+          allocated(material%expansion%value) .or. material%has_deformation_plasticity)
         if (allocated(material%elastic%value)) material%is_linear_isotropic = material%is_linear_isotropic .and. &
           size(material%elastic%value, 2) == 1
         if (material%is_user .or. material%is_user_field) then
           material%n_history = USER_STATE - 1 + material%n_statev
           material%is_linear_isotropic = .false.
         end if
-        material%is_unsymmetric = material%is_user .or. material%is_corotational .or. material%inelastic_law == &
-          INELASTIC_CRYSTAL
+        material%is_unsymmetric = material%is_user .or. material%is_corotational .or. material%cutoff_sign /= 0 .or. &
+          material%inelastic_law == INELASTIC_CRYSTAL
         if (allocated(material%cone%value)) material%is_unsymmetric = material%yield_surface == YIELD_MOHR_COULOMB .or. &
           material%has_cap .or. any(material%cone%value(1, :) > material%cone%value(2, :))
       end associate

@@ -552,8 +552,8 @@ contains
         text = line_text(cards, row%line)
       case ('SHELLSECTION', 'SHELLGENERALSECTION')   ! the fourth field of a layer is an angle or the name of an orientation
         text = first_row(cards, work, row, scope, 0, merge(4, 0, has_name(cards, row, 4)))
-      case ('NODALTHICKNESS')
-        text = first_row(cards, work, row, scope, scope%node_shift, 1)
+      case ('NODALTHICKNESS', 'FOUNDATION')
+        text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, cards%cards(c)%key(1:1) == 'N'), 1)
       case ('EQUATION')
         text = first_row(cards, work, row, scope, scope%node_shift, merge(0, 3, row%n == 1))
       case ('MPC')
@@ -566,7 +566,7 @@ contains
           text = first_row(cards, work, row, scope, 0, min(n, 2))
       case ('DISTRIBUTION')
         text = distribution_row(cards, work, row, scope, system_of(cards, parameter_value(cards, c, 'NAME')))
-      case ('DISTRIBUTIONTABLE', 'HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS', 'TRANSVERSESHEAR')   ! as it is
+      case ('DISTRIBUTIONTABLE', 'HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS')   ! as it is
         text = line_text(cards, row%line)
       case ('CONTACTPAIR')
         text = set_row(cards, work, row, scope, .false., 0)

@@ -10,6 +10,7 @@ module amontons_deck_section_beams
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_reader, only: reader_type, report_error, read_real, read_integer, check_n_fields, is_card
   use amontons_deck_beams, only: pass_integration_points
+  use amontons_deck_transverse_shear, only: read_beam_shear
   use amontons_deck_user_elements, only: beam_kind
   use amontons_element_drafts, only: element_draft_type
   use amontons_element_kinds, only: KIND_B31, KIND_B31R, KIND_USER
@@ -70,6 +71,7 @@ contains
       section%torsion = G * geometry%torsion
       section%bending = E * reshape([geometry%about(1), -geometry%product, -geometry%product, geometry%about(2)], [2, 2])
       section%shear = geometry%shear_factor * G * geometry%area
+      call read_beam_shear(reader, c, section%shear)
       section%centroid = geometry%centroid
       section%shear_center = geometry%shear_center
     end associate

@@ -6,8 +6,9 @@ module amontons_deck_shell_stiffness
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_deck_materials, only: add_anisotropic_material
   use amontons_deck_reader, only: reader_type, report_error, read_real, check_n_fields
-  use amontons_equivalent_layers, only: equivalent_layers_type, find_equivalent_layers, N_EQUIVALENT_LAYERS, &
-    LAYERS_OK, LAYERS_INDEFINITE
+  use amontons_deck_transverse_shear, only: read_shell_shear
+  use amontons_equivalent_layers, only: equivalent_layers_type, find_equivalent_layers, transverse_shear_moduli, &
+    N_EQUIVALENT_LAYERS, LAYERS_OK, LAYERS_INDEFINITE
   use amontons_model, only: model_type
   use amontons_structural_data, only: structural_section_type, layer_type
   use amontons_text, only: parse_real
@@ -19,18 +20,19 @@ contains
 
   !> Three lines of eight, eight and five numbers: the upper triangle of the 6 x 6 stiffness, column by column. The section gets
   !! layers of new materials.
-  subroutine read_shell_stiffness(reader, c, parameters, row, section, model)
+  subroutine read_shell_stiffness(reader, c, parameters, row, is_quadratic, section, model)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     type(data_row_type), intent(inout) :: row
+    logical, intent(in) :: is_quadratic          !< the elements are
     type(structural_section_type), intent(inout) :: section
     type(model_type), intent(inout) :: model     !< out: with more materials
     type(equivalent_layers_type) :: layers
     type(layer_type) :: layer
-    real(DP) :: numbers(21), stiffness(6, 6), density
+    real(DP) :: numbers(21), stiffness(6, 6), density, shear(2, 2), G(2, 2)
     integer :: i, j, k, status
-    logical :: is_ok
+    logical :: is_ok, is_given
     section%thickness(1) = 1                     ! after an error
     call read_triangle(reader, c, row, numbers, is_ok)
     if (.not. is_ok) return
@@ -53,12 +55,16 @@ contains
         'beams or shells, or build the sheet of *SHELL SECTION, COMPOSITE.')
       return
     end if
+    shear = reshape([1.0_DP, 0.0_DP, 0.0_DP, 1.0_DP], [2, 2]) * layers%transverse_shear
+    call read_shell_shear(reader, c, shear, is_given)
+    G = transverse_shear_moduli(shear, [(layers%thickness, k=1, N_EQUIVALENT_LAYERS)], reshape([(layers%Q(1, 1, k), &
+      layers%Q(2, 2, k), k=1, N_EQUIVALENT_LAYERS)], [2, N_EQUIVALENT_LAYERS]), is_quadratic)
     density = 0
     if (has_parameter(parameters, 'DENSITY')) call parse_real(parameter_text(parameters, 'DENSITY'), density, status)
     section%thickness(1) = N_EQUIVALENT_LAYERS * layers%thickness
     allocate (section%layers(0))
     do k = 1, N_EQUIVALENT_LAYERS
-      call add_anisotropic_material(reader, c, model, plane_constants(layers, k), density / section%thickness(1))
+      call add_anisotropic_material(reader, c, model, plane_constants(layers, k, G), density / section%thickness(1))
       layer = layer_type(thickness=layers%thickness, material=size(model%materials), line=reader%cards%cards(c)%line)
       layer%orientation = ''
       section%layers = [section%layers, layer]
@@ -98,9 +104,10 @@ contains
 
 
   !> The 21 constants of a layer: plane stress without coupling to the thickness.
-  pure function plane_constants(layers, k) result(constants)
+  pure function plane_constants(layers, k, G) result(constants)
     type(equivalent_layers_type), intent(in) :: layers
     integer, intent(in) :: k                     !< layer
+    real(DP), intent(in) :: G(2, 2)              !< of stress 13, 23 over its strain [stress]
     real(DP) :: constants(21)                    !< as *ELASTIC, TYPE=ANISO gives them [stress]
     constants = 0
     associate (Q => layers%Q(:, :, k))
@@ -108,8 +115,8 @@ contains
       constants(6:8) = [layers%thickness_modulus, Q(1, 3), Q(2, 3)]
       constants(10) = Q(3, 3)
     end associate
-    constants(15) = layers%transverse_shear      ! 1313
-    constants(21) = layers%transverse_shear      ! 2323
+    constants(15) = G(1, 1)                      ! 1313
+    constants(20:21) = G(:, 2)                   ! 1323, 2323
   end function plane_constants
 
 end module amontons_deck_shell_stiffness

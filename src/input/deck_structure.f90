@@ -10,6 +10,7 @@ module amontons_deck_structure
   use amontons_deck_named_nodes, only: find_turned_nodes, find_constrained_nodes
   use amontons_deck_section_beams, only: is_section_beam, read_section_beam
   use amontons_deck_shell_stiffness, only: read_shell_stiffness
+  use amontons_deck_transverse_shear, only: has_transverse_shear, report_lost_shear, refuse_beam_shear, replace_materials
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
@@ -17,7 +18,7 @@ module amontons_deck_structure
   use amontons_model, only: model_type, free_unknowns, dof_direction, DIALECT_CALCULIX
   use amontons_structural_data, only: director_type, structural_section_type, layer_type, find_node_directors, n_section_layers
   use amontons_text, only: plural, verb, to_text, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8R, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8, KIND_S8R, &
     KIND_SAX1, KIND_SAX2, KIND_CAX_SHELL, FAMILY_RIGID, is_two_sided, is_structural_family
   implicit none
   private
@@ -37,6 +38,7 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, set, material
+    logical :: is_quadratic
     do c = 1, reader%cards%n_cards
       if (.not. (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'SHELLGENERALSECTION') .or. &
         is_card(reader, c, 'BEAMSECTION') .or. is_card(reader, c, 'BEAMGENERALSECTION'))) cycle
@@ -58,10 +60,14 @@ contains
       section%line = reader%cards%line_number(reader%cards%cards(c)%line)
       section%deck_line = reader%cards%cards(c)%line
       if (is_card(reader, c, 'SHELLSECTION') .or. is_card(reader, c, 'SHELLGENERALSECTION')) then
-        call read_shell_section(reader, c, parameters, row, section, model)
+        is_quadratic = has_quadratic_shells(reader, c, parameters, model, set, draft)
+        call read_shell_section(reader, c, parameters, row, is_quadratic, section, model)
+        if (has_parameter(parameters, 'MATERIAL') .or. has_parameter(parameters, 'COMPOSITE')) call replace_materials(reader, c, &
+          is_quadratic, section, material, model)
         if (allocated(section%layers)) material = section%layers(1)%material
       else
         call read_beam_section(reader, c, parameters, row, section)
+        call refuse_beam_shear(reader, c)
         if (is_card(reader, c, 'BEAMGENERALSECTION') .and. .not. has_parameter(parameters, 'MATERIAL')) then
           call read_general_material(reader, c, parameters, row, model)
           material = size(model%materials)
@@ -77,8 +83,34 @@ contains
       model%structure%sections = [model%structure%sections, section]
       call assign_section(reader, model, c, set, material, draft)
     end do
+    call report_lost_shear(reader)
     if (any(draft%is_rigid)) call add_rigid_sections(reader, model, draft)
   end subroutine read_structural_sections
+
+
+  !> Whether the displacement of the shells of a section is quadratic over the thickness, on which the materials of layers with a
+  !! transverse shear stiffness depend.
+  logical function has_quadratic_shells(reader, c, parameters, model, set, draft) result(is_so)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card of the section
+    type(parameter_type), intent(in) :: parameters(:)
+    type(model_type), intent(in) :: model        !< with the element sets of drafts
+    integer, intent(in) :: set                   !< 0: none, reported
+    type(element_draft_type), intent(in) :: draft
+    integer, parameter :: QUADRATIC(5) = [KIND_S6, KIND_S8, KIND_S8R, KIND_SAX1, KIND_SAX2]
+    logical, allocatable :: is_quadratic(:)
+    integer :: i
+    is_so = .false.
+    if (set == 0) return
+    associate (members => model%mesh%element_sets(set)%members)
+      is_quadratic = [(any(draft%kind(members(i)) == QUADRATIC), i=1, size(members))]
+    end associate
+    is_so = all(is_quadratic)
+    if ((is_so .eqv. any(is_quadratic)) .or. .not. has_transverse_shear(reader, c)) return
+    if (has_parameter(parameters, 'COMPOSITE') .or. .not. has_parameter(parameters, 'MATERIAL')) call report_error(reader, &
+      reader%cards%cards(c)%line, 'A section of layers with *TRANSVERSE SHEAR STIFFNESS is for S3 and S4 or for S6, S8, S8R, ' // &
+      'SAX1 and SAX2, not for both: give each group a section of its own.')
+  end function has_quadratic_shells
 
 
   !> Rigid elements become thin shells whose nodes all belong to their rigid body: they do not strain, whatever their material. A
@@ -235,11 +267,12 @@ contains
 
 
   !> SHELL SECTION, SHELL GENERAL SECTION: thickness and number of points, which are those of the solids here; layers; stiffness.
-  subroutine read_shell_section(reader, c, parameters, row, section, model)
+  subroutine read_shell_section(reader, c, parameters, row, is_quadratic, section, model)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(parameter_type), intent(in) :: parameters(:)
     type(data_row_type), intent(inout) :: row
+    logical, intent(in) :: is_quadratic          !< the elements are
     type(structural_section_type), intent(inout) :: section
     type(model_type), intent(inout) :: model     !< out: with the materials that a stiffness needs
     logical :: is_ok
@@ -260,7 +293,7 @@ contains
     if (is_card(reader, c, 'SHELLGENERALSECTION') .and. .not. has_parameter(parameters, 'MATERIAL')) then
       if (section%has_nodal_thickness) call report_error(reader, reader%cards%cards(c)%line, 'A section that is given by its ' // &
         'stiffness has no NODAL THICKNESS.')
-      call read_shell_stiffness(reader, c, parameters, row, section, model)
+      call read_shell_stiffness(reader, c, parameters, row, is_quadratic, section, model)
       return
     end if
     if (.not. has_parameter(parameters, 'MATERIAL')) call report_error(reader, reader%cards%cards(c)%line, &

@@ -14,7 +14,7 @@ module amontons_deck_submodel
   use amontons_text, only: name_key, to_text, parse_integer, NUMBER_OK
   implicit none
   private
-  public :: read_submodels, read_global_step, check_driven_nodes
+  public :: read_submodels, read_global_step, check_driven_nodes, check_driven_dofs, check_driven_temperatures
 
 contains
 
@@ -74,7 +74,7 @@ contains
     integer, intent(in) :: number                !< of the submodel
     type(submodel_type), intent(inout) :: submodel
     integer, allocatable :: nodes(:)
-    integer :: i, k, first, last
+    integer :: i, k
     logical :: is_ok, is_shared
     is_shared = .false.
     do while (next_row(reader%cards, row))
@@ -88,13 +88,11 @@ contains
             is_shared = is_shared .or. (owner > 0 .and. owner /= number)
             owner = number
           end associate
-          last = 0
-          first = 1
-          if (allocated(model%structure)) call find_node_directors(model%structure, nodes(k), first, last)
-          if (last < first) cycle
+          if (reader%dialect /= DIALECT_CALCULIX .or. .not. has_director(model, nodes(k))) cycle
           call report_error(reader, row%line, 'The node ' // to_text(model%mesh%node_label(nodes(k))) // ' belongs to a shell ' // &
-            'or beam. The driven nodes of a submodel are those of solids, plane or axisymmetric elements: mesh the submodel ' // &
-            'with them, or write its displacements and rotations by *BOUNDARY.')
+            'or beam. In the calculix dialect the driven nodes of a submodel are those of solids, plane or axisym' // &
+            'metric elements: mesh the submodel with them, write displacements and rotations by *BOUNDARY, or take the abaqus ' // &
+            'dialect.')
           reader%has_bad_submodels = .true.
           exit
         end do
@@ -107,6 +105,18 @@ contains
       reader%cards%cards(c)%line, 'The card names no nodes: its data lines hold the nodes and node sets of the cut boundary.')
     reader%has_bad_submodels = reader%has_bad_submodels .or. size(submodel%nodes) == 0
   end subroutine read_members
+
+
+  !> Whether a node belongs to a shell or beam that is expanded into solids.
+  pure logical function has_director(model, node)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: node
+    integer :: first, last
+    first = 1
+    last = 0
+    if (allocated(model%structure)) call find_node_directors(model%structure, node, first, last)
+    has_director = last >= first
+  end function has_director
 
 
   !> The numbers in the element set of the global model, if the deck has it. They need not be elements of this deck.
@@ -229,5 +239,51 @@ contains
       return
     end do
   end subroutine check_driven_nodes
+
+
+  !> Reports rotations 4 to 6 of nodes whose rotations no shell or beam gives, and a value.
+  subroutine check_driven_dofs(reader, model, row, nodes, is_fixed, value, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: nodes(:)
+    logical, intent(in) :: is_fixed(6)
+    real(DP), intent(in) :: value                !< the fourth field [length]
+    logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
+    integer :: i
+    logical :: is_bad
+    is_bad = abs(value) > 0
+    if (any(is_fixed(4:)) .and. .not. is_bad) then
+      is_bad = .not. any([(has_director(model, nodes(i)), i=1, size(nodes))])
+      do i = 1, size(nodes)
+        if (is_bad .or. .not. allocated(model%rotation_of)) exit
+        is_bad = model%rotation_of(nodes(i)) > 0 .and. .not. has_director(model, nodes(i))
+      end do
+    end if
+    if (.not. is_bad) return
+    is_ok = .false.
+    call report_error(reader, row%line, 'A global model gives the displacements 1 to 3 of solids, and the rotations 4 to 6 of ' // &
+      'shells and beams, too (not of reference nodes and beams by their section): write node or node set, first and last ' // &
+      'degree of freedom, and no value.')
+  end subroutine check_driven_dofs
+
+
+  !> Reports driven temperatures of shells and beams.
+  subroutine check_driven_temperatures(reader, model, row, nodes, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    integer, intent(in) :: nodes(:)
+    logical, intent(inout) :: is_ok              !< set to .false. on trouble, else untouched
+    integer :: i
+    if (.not. allocated(model%structure)) return
+    do i = 1, size(nodes)                        ! shells give their temperatures to the nodes of their solids
+      if (nodes(i) <= model%structure%n_deck_nodes .and. .not. has_director(model, nodes(i))) cycle
+      is_ok = .false.
+      call report_error(reader, row%line, 'This row names nodes of shells or beams, whose temperature has gradients over the ' // &
+        'thickness: write it by *TEMPERATURE without SUBMODEL.')
+      return
+    end do
+  end subroutine check_driven_temperatures
 
 end module amontons_deck_submodel

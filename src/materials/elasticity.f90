@@ -1,4 +1,4 @@
-!> Isotropic elasticity: Hooke, Hencky and Saint Venant-Kirchhoff laws with consistent tangent and strain energy.
+!> Elasticity: Hooke, Hencky and Saint Venant-Kirchhoff laws with consistent tangent and strain energy.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Voigt order xx yy zz xy yz xz. Strains and stresses are tensor components; a tangent multiplies engineering shears:
@@ -6,7 +6,7 @@
 module amontons_elasticity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, is_hyperelastic, LAW_SAINT_VENANT
+  use amontons_materials, only: material_type, is_hyperelastic, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
     invert, pack_voigt, push_forward, unpack_voigt
   use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
@@ -15,6 +15,7 @@ module amontons_elasticity
   private
   public :: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, check_gradient
   public :: small_strain_modulus, hooke_stress, isotropic_tangent, green_strain, green_strain_of_stretch, almansi_strain
+  public :: elasticity_matrix, isochoric_tangent, deviator
   public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, MAX_DISPLACEMENT_GRADIENT
 
   integer, parameter :: STRESS_OK = 0              !< all is well
@@ -248,5 +249,52 @@ contains
     call invert(IDENTITY + H, inverse, det)
     strain = -green_strain(-matmul(inverse, H))
   end function almansi_strain
+
+
+  !> The elasticity matrix in the local axes from the constants in the order of the decks.
+  pure function elasticity_matrix(kind, constants) result(C)
+    integer, intent(in) :: kind                    !< ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC or ELASTIC_ANISOTROPIC
+    real(DP), intent(in) :: constants(:)           !< [stress]; isotropic: E and nu
+    real(DP) :: C(6, 6)                            !< 11 22 33 12 23 13, engineering shears [stress]
+    integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
+    integer :: i, j, k
+    if (kind == ELASTIC_ISOTROPIC) then
+      C = isotropic_tangent(constants(1) * constants(2) / ((1 + constants(2)) * (1 - 2 * constants(2))), &
+        constants(1) / (2 + 2 * constants(2)))
+      return
+    end if
+    C = 0
+    k = 0
+    do j = 1, 6
+      do i = 1, j
+        if (kind == ELASTIC_ORTHOTROPIC .and. j > 3 .and. i < j) cycle
+        k = k + 1
+        C(ABAQUS_ORDER(i), ABAQUS_ORDER(j)) = constants(k)
+        C(ABAQUS_ORDER(j), ABAQUS_ORDER(i)) = constants(k)
+      end do
+    end do
+  end function elasticity_matrix
+
+
+  !> The tangent of s = G dev b: 2 G' (I - 1 1/3) - 2/3 (1 s + s 1), G' = G tr b/3.
+  pure function isochoric_tangent(s, modulus) result(tangent)
+    real(DP), intent(in) :: s(6)                   !< [stress]
+    real(DP), intent(in) :: modulus                !< G' [stress]
+    real(DP) :: tangent(6, 6)                      !< engineering shears [stress]
+    integer :: i
+    tangent = isotropic_tangent(-2 * modulus / 3, modulus)
+    do i = 1, 3
+      tangent(:, i) = tangent(:, i) - 2 * s / 3
+      tangent(i, :) = tangent(i, :) - 2 * s / 3
+    end do
+  end function isochoric_tangent
+
+
+  !> The deviator of a symmetric tensor.
+  pure function deviator(T) result(D)
+    real(DP), intent(in) :: T(6)                   !< Voigt vector
+    real(DP) :: D(6)
+    D = T - (T(1) + T(2) + T(3)) / 3 * VOIGT_IDENTITY
+  end function deviator
 
 end module amontons_elasticity

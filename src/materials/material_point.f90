@@ -28,20 +28,22 @@ module amontons_material_point
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
     is_inelastic, evaluate_ramberg_osgood, RETURN_OK
   use amontons_drucker_prager, only: map_cone_return
+  use amontons_principal_stress_cutoff, only: cut_principal_stresses
   use amontons_corotational_elasticity, only: corotational_stress
   use amontons_crystal_plasticity, only: crystal_return_type, map_crystal_return, expand_creep_constants, N_CRYSTAL_CONSTANTS
   use amontons_linear_viscoplasticity, only: linear_return_type, map_linear_return, N_LINEAR_CONSTANTS
   use amontons_drucker_prager_cap, only: map_cap_return
   use amontons_viscoelasticity, only: viscoelastic_stress, relax_finite_stress
   use amontons_lode_angle_return, only: principal_return_type, map_principal_return
-  use amontons_elasticity, only: hooke_stress, isotropic_tangent, green_strain, green_strain_of_stretch, almansi_strain, &
+  use amontons_elasticity, only: hooke_stress, isotropic_tangent, isochoric_tangent, elasticity_matrix, deviator, green_strain, &
+    green_strain_of_stretch, almansi_strain, &
     check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, &
     pack_voigt, push_forward, unpack_voigt, von_mises
   use amontons_user_material, only: umat_point_type, evaluate_umat
   implicit none
   private
-  public :: material_point_type, update_material_point, elastic_strain_from_stress, evaluate_thermal_strain, &
+  public :: material_point_type, update_material_point, cut_stress, elastic_strain_from_stress, evaluate_thermal_strain, &
     SQRT_3_2
 
   !> Input and output of a material point. The committed history is read, never written.
@@ -62,6 +64,7 @@ module amontons_material_point
     type(umat_point_type), allocatable :: user     !< more of a user's material; not there: at rest
     logical :: is_tangent_wanted = .true.          !< if not, the tangent is not set
     logical :: is_output_wanted = .true.           !< if not, finite strain, energy and history need not be set
+    logical :: is_cut_later = .false.              !< NO COMPRESSION, NO TENSION: the caller calls cut_stress
     ! output
     real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
@@ -91,6 +94,31 @@ contains
     logical, intent(in) :: is_nlgeom
     type(material_point_type), intent(inout) :: point       !< input and output as its type states
     integer, intent(out) :: status                 !< STRESS_...; if not STRESS_OK the output is invalid
+    call evaluate_law(material, is_nlgeom, point, status)
+    if (status == STRESS_OK .and. .not. point%is_cut_later) call cut_stress(material, is_nlgeom, point)
+  end subroutine update_material_point
+
+
+  !> Cuts the stress of a point by NO COMPRESSION or NO TENSION. Its energy is then the work along a straight path of strains.
+  pure subroutine cut_stress(material, is_nlgeom, point)
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(material_point_type), intent(inout) :: point       !< stress, tangent and energy change
+    real(DP) :: elastic(6), whole
+    if (material%cutoff_sign == 0) return
+    elastic = elastic_strain_from_stress(material, table_argument(material, point), point%frame, point%stress)
+    whole = double_dot(point%stress, elastic)
+    call cut_principal_stresses(material%cutoff_sign, is_nlgeom, point%is_tangent_wanted, point%stress, point%tangent)
+    if (whole > 0) point%energy = point%energy * (double_dot(point%stress, elastic) / whole)
+  end subroutine cut_stress
+
+
+  !> The law without what cut_stress does.
+  pure subroutine evaluate_law(material, is_nlgeom, point, status)
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(material_point_type), intent(inout) :: point       !< input and output as its type states
+    integer, intent(out) :: status                 !< STRESS_...
     type(moduli_type) :: moduli
     real(DP) :: thermal_stretch
     point%history = point%history_old
@@ -126,7 +154,7 @@ contains
     else
       call evaluate_principal_law(material, moduli, point, status)
     end if
-  end subroutine update_material_point
+  end subroutine evaluate_law
 
 
   !> User law. A point without state variables is undeformed: its tangent was computed before the start.
@@ -220,26 +248,6 @@ contains
       call evaluate_rubber(material%hyper_kind, material%hyper_order, constants, e, response)
     end if
   end subroutine evaluate_hyperelastic
-
-
-  !> The elasticity matrix in the local axes from the constants in the order of the decks.
-  pure function elasticity_matrix(kind, constants) result(C)
-    integer, intent(in) :: kind                    !< ELASTIC_ORTHOTROPIC or ELASTIC_ANISOTROPIC
-    real(DP), intent(in) :: constants(:)           !< [stress]
-    real(DP) :: C(6, 6)
-    integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
-    integer :: i, j, k
-    C = 0
-    k = 0
-    do j = 1, 6
-      do i = 1, j
-        if (kind == ELASTIC_ORTHOTROPIC .and. j > 3 .and. i < j) cycle
-        k = k + 1
-        C(ABAQUS_ORDER(i), ABAQUS_ORDER(j)) = constants(k)
-        C(ABAQUS_ORDER(j), ABAQUS_ORDER(i)) = constants(k)
-      end do
-    end do
-  end function elasticity_matrix
 
 
   !> The thermal strain since the start: a(T) (T - T0) - a(Ti) (Ti - T0), a the secant coefficient from T0 on.
@@ -795,20 +803,6 @@ contains
   end subroutine set_isochoric_response
 
 
-  !> The tangent of s = G dev b: 2 G' (I - 1 1/3) - 2/3 (1 s + s 1), G' = G tr b/3.
-  pure function isochoric_tangent(s, modulus) result(tangent)
-    real(DP), intent(in) :: s(6)                   !< [stress]
-    real(DP), intent(in) :: modulus                !< G' [stress]
-    real(DP) :: tangent(6, 6)                      !< engineering shears [stress]
-    integer :: i
-    tangent = isotropic_tangent(-2 * modulus / 3, modulus)
-    do i = 1, 3
-      tangent(:, i) = tangent(:, i) - 2 * s / 3
-      tangent(i, :) = tangent(i, :) - 2 * s / 3
-    end do
-  end function isochoric_tangent
-
-
   !> Subtracts the plastic flow from the stress: tau = ... - (1 - theta) s, s = |s| n, with its tangent.
   pure subroutine subtract_plastic_stress(n, size, modulus, back, point)
     real(DP), intent(in) :: n(6)                   !< unit tensor along s [-]
@@ -827,14 +821,6 @@ contains
       point%tangent(:, i) = point%tangent(:, i) + factor * (n * along(i) + along * n(i))
     end do
   end subroutine subtract_plastic_stress
-
-
-  !> The deviator of a symmetric tensor.
-  pure function deviator(T) result(D)
-    real(DP), intent(in) :: T(6)                   !< Voigt vector
-    real(DP) :: D(6)
-    D = T - (T(1) + T(2) + T(3)) / 3 * VOIGT_IDENTITY
-  end function deviator
 
 
   !> Pulls b and the back stress back to the reference configuration: the history.

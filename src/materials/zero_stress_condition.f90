@@ -9,7 +9,7 @@
 !! Reference: E. A. de Souza Neto, D. Peric, D. R. J. Owen, Computational methods for plasticity, Wiley 2008, chapter 9.
 module amontons_zero_stress_condition
   use amontons_kinds, only: DP
-  use amontons_material_point, only: material_point_type, update_material_point
+  use amontons_material_point, only: material_point_type, update_material_point, cut_stress
   use amontons_materials, only: material_type
   use amontons_element_integration_points, only: integration_points_type, set_point_input
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
@@ -51,6 +51,7 @@ contains
         return
       end if
     end if
+    point%is_cut_later = condition /= CONDITION_NONE   ! the free strains are those of the elastic law
     is_converged = .false.
     e = 0
     correction = 0
@@ -80,6 +81,7 @@ contains
     if (.not. (is_converged .or. maxval(abs(point%stress(first:3))) <= TOL_STRESS_ACCEPTABLE * largest)) status = STRESS_NOT_FINITE
     call condense_tangent(first, point%tangent)
     point%stress(first:3) = 0
+    if (status == STRESS_OK) call cut_stress(material, is_nlgeom, point)
   end subroutine solve_zero_stress
 
 

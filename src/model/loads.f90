@@ -7,7 +7,7 @@ module amontons_loads
   implicit none
   private
   public :: equation_list_type, amplitude_type, load_type, prescribed_type, concentrated_type, distributed_type, temperature_type, &
-    equation_type
+    equation_type, foundation_type
   public :: AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
   public :: DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION, &
     amplitude_value, load_value, integrated_velocity, has_integral
@@ -80,6 +80,13 @@ module amontons_loads
     real(DP) :: point(3) = 0                     !< a point of the axis of rotation [length]
     integer :: node = 0                          !< whose prescribed displacement 2 the pressure is; 0: none
   end type distributed_type
+
+  !> FOUNDATION: springs to the ground on a face of an element, in all steps.
+  type :: foundation_type
+    integer :: element = 0
+    integer :: face = 0                          !< number of the face
+    real(DP) :: stiffness = 0                    !< along the normal, per area [force/length^3]
+  end type foundation_type
 
   !> The temperature of a node.
   type, extends(load_type) :: temperature_type

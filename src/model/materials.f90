@@ -11,7 +11,7 @@ module amontons_materials
   public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
     ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, is_linear_elastic, is_hyperelastic, &
-    is_one_sided, is_law_of_invariants
+    is_one_sided, is_law_of_invariants, has_no_energy
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
@@ -127,6 +127,7 @@ module amontons_materials
     real(DP) :: youngs_modulus = 0              !< E, isotropic, at the first temperature [stress]
     real(DP) :: poissons_ratio = 0              !< nu, isotropic, at the first temperature [-]
     type(property_table_type) :: elastic                 !< constants by ELASTIC_...; optional with E and nu only
+    integer :: cutoff_sign = 0                 !< 1: NO COMPRESSION, -1: NO TENSION of its linear elasticity; 0: both are carried
     logical :: is_corotational = .false.        !< linear in U - 1 in place of the strain of the law
     integer :: hyper_kind = 0                   !< HYPER_...
     integer :: hyper_order = 0                  !< N
@@ -145,7 +146,8 @@ module amontons_materials
     logical :: has_cap = .false.                !< the cone is that of a cap
     logical :: has_cone_hardening = .false., has_plastic = .false.   !< which cards gave isotropic_hardening
     integer :: cone_hardening = CONE_COMPRESSION   !< the test of isotropic_hardening
-    logical :: is_unsymmetric = .false.         !< its tangent may be: UMAT, a cone with flow that is not associated
+    logical :: is_unsymmetric = .false.         !< its tangent may be: UMAT, a cone with flow that is not associated, a
+                                                !! cutoff
     logical :: has_deformation_plasticity = .false.
     type(property_table_type) :: deformation_plasticity             !< E, nu, yield stress, n, alpha of the Ramberg-Osgood law
     integer :: creep_law = CREEP_NONE
@@ -261,6 +263,13 @@ contains
   end function is_one_sided
 
 
+  !> Whether the stress of a material is not the derivative of an energy that it keeps: viscoelasticity, NO COMPRESSION, NO TENSION.
+  elemental logical function has_no_energy(material)
+    type(material_type), intent(in) :: material
+    has_no_energy = allocated(material%prony) .or. material%cutoff_sign /= 0
+  end function has_no_energy
+
+
   !> Whether the elastic energy is one of the invariants of the right Cauchy-Green tensor.
   pure logical function is_law_of_invariants(material)
     type(material_type), intent(in) :: material
@@ -313,6 +322,8 @@ contains
     end if
     if (allocated(material%kinematic_hardening)) words = trim(words) // ', kinematic hardening'
     if (material%is_corotational) words = trim(words) // ', corotational'
+    if (material%cutoff_sign > 0) words = trim(words) // ', no compression'
+    if (material%cutoff_sign < 0) words = trim(words) // ', no tension'
     if (allocated(material%prony)) words = trim(words) // ', viscoelastic'
     if (material%creep_law /= CREEP_NONE) words = trim(words) // ', creep'
     if (material%inelastic_law == INELASTIC_LINEAR) words = trim(words) // ', viscoplastic'

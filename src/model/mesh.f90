@@ -3,13 +3,15 @@
 module amontons_mesh
   use amontons_kinds, only: DP
   use amontons_containers, only: find_root, unite_trees
-  use amontons_element_kinds, only: element_kind, element_kind_type, MAX_ELEMENT_NODES, KIND_SPRINGA, FAMILY_SOLID, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind_type, facet_kind, MAX_ELEMENT_NODES, &
+    KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_MEMBRANE, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
     FAMILY_RIGID, FAMILY_USER
+  use amontons_tensor, only: cross_product
   implicit none
   private
   public :: mesh_type, set_type, finalize_mesh, element_nodes, wall_ratios, append_node, append_nodes, append_node_copies, &
-    mesh_extent, find_connected_nodes, replace_element_nodes
+    mesh_extent, find_connected_nodes, replace_element_nodes, mean_face_normal
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -276,5 +278,28 @@ contains
       if (has_element(i)) of_node(i) = of_node(find_root(parent, i))
     end do
   end subroutine find_connected_nodes
+
+
+  !> The mean unit normal of a face by its corners; of an edge within the plane.
+  pure function mean_face_normal(mesh, e, face) result(normal)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, face                 !< element, number of its face
+    real(DP) :: normal(3)
+    type(element_kind_type) :: entry
+    type(facet_kind_type) :: facet
+    real(DP) :: x(3, 4)
+    integer :: n
+    entry = element_kind(mesh%kind(e))
+    facet = facet_kind(entry%face_kind(face))
+    n = facet%n_corners
+    x(:, :n) = mesh%coordinates(:, mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:n, face)))
+    if (n == 2) then
+      normal = [x(2, 2) - x(2, 1), x(1, 1) - x(1, 2), 0.0_DP]
+    else
+      normal = cross_product(x(:, 3) - x(:, 1), x(:, n) - x(:, 2))
+      if (n == 3) normal = cross_product(x(:, 2) - x(:, 1), x(:, 3) - x(:, 1))
+    end if
+    normal = normal / norm2(normal)
+  end function mean_face_normal
 
 end module amontons_mesh

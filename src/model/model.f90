@@ -7,7 +7,8 @@ module amontons_model
   use amontons_mesh, only: mesh_type, append_nodes
   use amontons_materials, only: material_type, orientation_type, spring_type
   use amontons_surfaces, only: surface_type, interaction_type, contact_pair_type, general_contact_type
-  use amontons_loads, only: amplitude_type, equation_type, equation_list_type, load_type, load_value, integrated_velocity
+  use amontons_loads, only: foundation_type, amplitude_type, equation_type, equation_list_type, load_type, load_value, &
+    integrated_velocity
   use amontons_mpc_data, only: nonlinear_mpc_type, nonlinear_mpc_list_type, tie_type, distributing_coupling_type
   use amontons_steps, only: step_type
   use amontons_structural_data, only: structure_type
@@ -94,6 +95,7 @@ module amontons_model
     real(DP), allocatable :: frames(:, :, :)    !< (3, 3, n) directions of transformed nodes, columns
     type(embedding_type), allocatable :: embeddings(:)  !< EMBEDDED ELEMENT cards; unallocated: none
     type(submodel_type), allocatable :: submodels(:)  !< SUBMODEL cards; unallocated: none
+    type(foundation_type), allocatable :: foundations(:)   !< FOUNDATION cards; unallocated: none
     type(step_type), allocatable :: steps(:)
     logical :: is_checked_only = .false.        !< NO ANALYSIS: the deck is read and checked, nothing is solved
     type(user_library_type) :: routines             !< of the user routines; opened before the start

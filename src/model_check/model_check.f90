@@ -665,6 +665,7 @@ contains
       call mark_bodies(bodies%of_node(model%equations(k)%node))
     end do
     call mark_bodies(pack(bodies%of_element, model%mesh%kind >= KIND_SPRINGA))
+    if (allocated(model%foundations)) call mark_bodies(bodies%of_element(model%foundations%element))
     allocate (is_apart(size(model%pairs)), source=.true.)
     do s = 1, size(slaves)
       if (slaves(s)%facet > 0) is_apart(slaves(s)%pair) = .false.

@@ -18,6 +18,7 @@ module amontons_model_check_motion
   use amontons_surfaces, only: BEHAVIOR_USER
   use amontons_steps, only: step_type
   use amontons_stabilization, only: is_damped
+  use amontons_mesh, only: mean_face_normal
   use amontons_model, only: model_type, dof_direction, absent_elements
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type
@@ -355,9 +356,30 @@ contains
           end do
         end do
       end do
+      if (.not. allocated(model%foundations)) return
+      do i = 1, size(model%foundations)
+        call constrain_face(model%foundations(i)%element, model%foundations(i)%face)
+      end do
     end associate
 
   contains
+
+    !> A foundation: supports of the nodes of a face along its mean normal.
+    subroutine constrain_face(e, face)
+      integer, intent(in) :: e, face
+      real(DP) :: rows(3, 6), normal(3)
+      integer :: a, b
+      entry = element_kind(model%mesh%kind(e))
+      normal = mean_face_normal(model%mesh, e, face)
+      do a = 1, count(entry%face_nodes(:, face) > 0)
+        associate (node => model%mesh%nodes(model%mesh%first(e) - 1 + entry%face_nodes(a, face)))
+          b = bodies%of_node(node)
+          if (b == 0) cycle
+          rows = rigid_motion(bodies%list(b), model%mesh%coordinates(:, node))
+          call add_product(matmul(normal, rows), matmul(normal, rows), gram(:, :, b))
+        end associate
+      end do
+    end subroutine constrain_face
 
     !> A support of one displacement of a node.
     subroutine constrain_dof(node, dof)

@@ -24,7 +24,7 @@ module amontons_section_forces
   use amontons_tensor, only: cross_product, unpack_voigt
   implicit none
   private
-  public :: find_section_forces, find_node_rotations, N_SECTION_FORCES
+  public :: find_section_forces, find_node_rotations, N_SECTION_FORCES, rotation_vector
 
   integer, parameter :: N_SECTION_FORCES = 9       !< SF1 to SF6, SM1 to SM3
   real(DP), parameter :: TOL_HALF_TURN = 1.0e-6_DP !< sine of an angle near pi, below: its axis from the symmetric part [-]

@@ -123,7 +123,7 @@ S
 
 @pytest.mark.parametrize(("card", "code", "message"), [
     ("*HOURGLASS STIFFNESS", 0, "*HOURGLASS STIFFNESS is read past. The stiffness of one-point elements"),
-    ("*TRANSVERSE SHEAR STIFFNESS", 3, "*TRANSVERSE SHEAR STIFFNESS is not supported. Shells and beams are solids here"),
+    ("*TRANSVERSE SHEAR STIFFNESS", 3, "*TRANSVERSE SHEAR STIFFNESS must be directly below *SHELL SECTION"),
 ])  # fmt: skip
 def test_numbers_of_a_section_inside_a_part(run_deck: Run, card: str, code: int, message: str) -> None:
     """What these cards do inside a part is what they do outside."""

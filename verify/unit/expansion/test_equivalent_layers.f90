@@ -2,8 +2,8 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_equivalent_layers
   use amontons_kinds, only: DP
-  use amontons_equivalent_layers, only: equivalent_layers_type, find_equivalent_layers, N_EQUIVALENT_LAYERS, LAYERS_OK, &
-    LAYERS_INDEFINITE, LAYERS_IMPOSSIBLE
+  use amontons_equivalent_layers, only: equivalent_layers_type, find_equivalent_layers, transverse_shear_moduli, &
+    N_EQUIVALENT_LAYERS, LAYERS_OK, LAYERS_INDEFINITE, LAYERS_IMPOSSIBLE
   use check, only: suite_type
   implicit none
   real(DP), parameter :: FIBRES(3, 3) = reshape([25.0_DP, 0.25_DP, 0.0_DP, 0.25_DP, 1.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.5_DP], [3, 3])
@@ -11,6 +11,7 @@ program test_equivalent_layers
   call check_homogeneous()
   call check_laminates()
   call check_refusals()
+  call check_shear()
   call suite%finish()
 
 contains
@@ -29,7 +30,7 @@ contains
     do k = 1, N_EQUIVALENT_LAYERS
       call suite%near('its material', maxval(abs(layers%Q(:, :, k) - FIBRES)), 0.0_DP, 1.0e-10_DP)
     end do
-    call suite%near('transverse shear', layers%transverse_shear, 26 / 6.0_DP + 0.5_DP / 3, 1.0e-13_DP)
+    call suite%near('transverse shear', layers%transverse_shear, 2 * (26 / 6.0_DP + 0.5_DP / 3), 1.0e-13_DP)
   end subroutine check_homogeneous
 
 
@@ -41,6 +42,26 @@ contains
     call check_plies([0.1_DP, 0.2_DP, 0.3_DP, 0.4_DP], [0.0_DP, 30.0_DP, 60.0_DP, 90.0_DP], [1.0_DP, 1.0_DP, 1.0_DP, 1.0_DP], &
       'plies')
   end subroutine check_laminates
+
+
+  !> Shear moduli: of one layer K/h; of many K/(5/6 h); of unequal layers those of the same stack of thin sublayers in the limit.
+  subroutine check_shear()
+    real(DP), parameter :: K(2, 2) = reshape([4.0_DP, 1.0_DP, 1.0_DP, 6.0_DP], [2, 2])
+    real(DP) :: G(2, 2), fine(2, 2)
+    integer :: i
+    G = transverse_shear_moduli(K, [0.5_DP], reshape([7.0_DP, 3.0_DP], [2, 1]), .false.)
+    call suite%near('one layer', maxval(abs(G - 2 * K)), 0.0_DP, 1.0e-13_DP)
+    G = transverse_shear_moduli(K, [0.5_DP], reshape([7.0_DP, 3.0_DP], [2, 1]), .true.)
+    call suite%near('one quadratic layer', maxval(abs(G - 2 * K)), 0.0_DP, 1.0e-13_DP)
+    G = transverse_shear_moduli(K, [(0.01_DP, i=1, 50)], reshape([(1.0_DP, i=1, 100)], [2, 50]), .false.)
+    call suite%near('many layers', maxval(abs(G - 2.4_DP * K)) / 8, 0.0_DP, 1.0e-3_DP)
+    G = transverse_shear_moduli(K, [0.1_DP, 0.1_DP, 0.3_DP], reshape([7.0_DP, 1.0_DP, 2.0_DP, 5.0_DP, 1.0_DP, 1.0_DP], [2, 3]), &
+      .true.)
+    fine = transverse_shear_moduli(K, [(0.01_DP, i=1, 50)], reshape([(7.0_DP, 1.0_DP, i=1, 10), (2.0_DP, 5.0_DP, i=1, 10), &
+      (1.0_DP, 1.0_DP, i=1, 30)], [2, 50]), .true.)
+    call suite%near('unequal layers', maxval(abs(G - fine)) / maxval(abs(fine)), 0.0_DP, 0.02_DP)
+    call suite%that('symmetric', abs(G(1, 2) - G(2, 1)) < 1.0e-12_DP)
+  end subroutine check_shear
 
 
   !> Layers of plies: those of the same stiffness, positive definite.

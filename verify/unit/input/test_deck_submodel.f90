@@ -9,6 +9,8 @@ program test_deck_submodel
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
+  character(*), parameter :: SHEET = '*NODE;11,5,0,0;12,6,0,0;13,6,1,0;14,5,1,0;*ELEMENT, TYPE=S4, ELSET=SH;2,11,12,13,14;' // &
+    '*SHELL SECTION, ELSET=SH, MATERIAL=M;.1;'
   character(*), parameter :: MODEL_PART = '*NODE;1,0,0,0;2,1,0,0;3,1,1,0;4,0,1,0;5,0,0,1;6,1,0,1;7,1,1,1;8,0,1,1;' // &
     '*NSET, NSET=CUT;1,2,3,4;*ELEMENT, TYPE=C3D8, ELSET=E;1,1,2,3,4,5,6,7,8;*MATERIAL, NAME=M;*ELASTIC;50.,0.;' // &
     '*SOLID SECTION, ELSET=E, MATERIAL=M;'
@@ -115,8 +117,12 @@ contains
     call expect_message(CUT // '*STEP, NLGEOM;*STATIC, RIKS;*BOUNDARY, SUBMODEL, STEP=1;CUT,1,3;' // END, 'RIKS step')
     call expect_message(CUT // '*TRANSFORM, NSET=CUT;0,1,0,1,0,0;' // DRIVEN, 'directions of its own', dialect=DIALECT_CALCULIX)
     call expect_read(CUT // '*TRANSFORM, NSET=CUT;0,1,0,1,0,0;' // DRIVEN, model)
-    call expect_message('*NODE;11,5,0,0;12,6,0,0;13,6,1,0;14,5,1,0;*ELEMENT, TYPE=S4, ELSET=SH;2,11,12,13,14;' // &
-      '*SHELL SECTION, ELSET=SH, MATERIAL=M;.1;*SUBMODEL, INPUT=g.frd;11;' // DRIVEN, 'shell or beam')
+    call expect_message(SHEET // '*SUBMODEL, INPUT=g.frd;11;' // BEGIN // '*BOUNDARY, SUBMODEL, STEP=2;11,1,3;' // END, &
+      'shell or beam', DIALECT_CALCULIX)
+    call expect_message(SHEET // '*SUBMODEL, INPUT=g.frd;11;' // BEGIN // '*TEMPERATURE, SUBMODEL, STEP=2;11;' // END, &
+      'shells or beams')
+    call expect_read(SHEET // '*SUBMODEL, INPUT=g.frd;11;' // BEGIN // '*BOUNDARY, SUBMODEL, STEP=2;11,1,6;' // END, model)
+    call suite%that('rotations of a shell', count(model%steps(1)%prescribed%global_step == 2) == 6)
   end subroutine check_errors
 
 

@@ -1,0 +1,169 @@
+"""NO COMPRESSION and NO TENSION: Abaqus's cutoff of principal stresses, by closed forms.
+
+SPDX-License-Identifier: GPL-3.0-or-later
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from verify.conftest import Run
+from verify.decks.make_decks import block
+from verify.decks.sheets import between
+from verify.decks.solids import Solids, as_kind
+from verify.readers.dat_frd_files import read_dat
+
+E, NU = 1000.0, 0.25
+LAME, G = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 + 2 * NU)
+SIDES = {"NO COMPRESSION": 1.0, "NO TENSION": -1.0}
+
+
+def law(word: str, section: str = "*SOLID SECTION, ELSET=ALL, MATERIAL=M\n") -> str:
+    """The material and its section."""
+    return f"*MATERIAL, NAME=M\n*ELASTIC\n{E}, {NU}\n*{word}\n{section}"
+
+
+def sets(body: Solids, places: dict[str, tuple[int, float]]) -> str:
+    """Node sets of planes."""
+    return "".join(f"*NSET, NSET={name}\n" + "".join(f"{i + 1},\n" for i in body.where(axis, at)) for name, (axis, at) in places.items())
+
+
+def cut(word: str, strain: np.ndarray) -> np.ndarray:
+    """The law: principal stresses of Hooke's law, those of the other sign zero."""
+    values, axes = np.linalg.eigh(LAME * np.trace(strain) * np.eye(3) + 2 * G * strain)
+    side = SIDES[word]
+    return np.asarray((axes * side * np.maximum(side * values, 0.0)) @ axes.T)
+
+
+GRADIENTS = [
+    np.array([[0.01, 0.004, 0.0], [-0.002, -0.006, 0.003], [0.001, 0.002, 0.004]]),
+    np.array([[-0.01, 0.002, 0.001], [0.0, 0.003, 0.0], [0.002, -0.001, -0.002]]),
+    np.array([[0.003, 0.0, 0.0], [0.0, 0.004, 0.001], [0.0, 0.0, 0.005]]),
+]
+
+
+@pytest.mark.parametrize("kind", ["C3D8", "C3D10", "C3D20R", "C3D8R", "C3D8I"])
+@pytest.mark.parametrize("word", SIDES)
+@pytest.mark.parametrize("which", range(3))
+def test_homogeneous(run_deck: Run, tmp_path: Path, kind: str, word: str, which: int) -> None:
+    """All nodes of a block are moved by a gradient: the stress is the law at every point."""
+    body = as_kind(block(between(0, 1, 1), between(0, 1, 1), between(0, 1, 1), "BODY"), kind)
+    moved = body.nodes @ GRADIENTS[which].T
+    rows = "".join(f"{i + 1}, {k + 1}, {k + 1}, {u[k]:.15g}\n" for i, u in enumerate(moved) for k in range(3))
+    done = run_deck(f"{body.cards()}{law(word)}*STEP\n*STATIC\n*BOUNDARY\n{rows}*EL PRINT, ELSET=ALL\nS\n*END STEP\n")
+    assert done.returncode == 0, done.stdout + done.stderr
+    expected = cut(word, (GRADIENTS[which] + GRADIENTS[which].T) / 2)
+    expected = expected[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    for row in read_dat(tmp_path / "job.dat")[-1].rows.values():
+        assert row == pytest.approx(expected, abs=2e-6 * E * 0.01)
+
+
+@pytest.mark.parametrize("step", ["*STEP", "*STEP, NLGEOM"])
+@pytest.mark.parametrize("stretch", [0.1, -0.1])
+@pytest.mark.parametrize("word", SIDES)
+def test_truss(run_deck: Run, tmp_path: Path, word: str, stretch: float, step: str) -> None:
+    """The force of a bar: E times the strain on one side, zero on the other; under NLGEOM the logarithmic strain and the present area."""
+    section = "*SOLID SECTION, ELSET=ALL, MATERIAL=M\n2.\n"
+    deck = "*NODE\n1, 0., 0., 0.\n2, 3., 0., 0.\n*NSET, NSET=END\n2\n*ELEMENT, TYPE=T3D2, ELSET=ALL\n1, 1, 2\n" + law(word, section)
+    done = run_deck(f"{deck}*BOUNDARY\n1, 1, 3\n2, 2, 3\n{step}\n*STATIC\n*BOUNDARY\nEND, 1, 1, {3 * stretch}\n*NODE PRINT, NSET=END\nRF\n*END STEP\n")
+    assert done.returncode == 0, done.stdout + done.stderr
+    force = next(iter(read_dat(tmp_path / "job.dat")[-1].rows.values()))[0]
+    expected = E * 2 * stretch
+    if "NLGEOM" in step:
+        expected = E * 2 * np.log(1 + stretch) / (1 + stretch)  # tau V/L
+    assert force == pytest.approx(expected if stretch * SIDES[word] > 0 else 0.0, rel=2e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["CPS4", "CPS8R", "M3D4", "M3D8R", "CPE4", "CAX4"])
+@pytest.mark.parametrize("word", SIDES)
+def test_sheet(run_deck: Run, tmp_path: Path, kind: str, word: str) -> None:
+    """A sheet stretched along x by 0.01 and pressed along y by 0.02: s1 = C (e1 + nu e2) of plane stress, s2 is cut, or the other way round. In plane strain
+    and around an axis the third principal stress is that of Hooke's law, too."""
+    along, across = 0.01, -0.02
+    quadratic = "8" in kind
+    steps = (0.0, 0.5, 1.0) if quadratic else (0.0, 1.0)
+    points = [(x, y) for y in steps for x in steps if not (x == 0.5 and y == 0.5)]
+    number = {p: i + 1 for i, p in enumerate(points)}
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    sides = [(0.5, 0.0), (1.0, 0.5), (0.5, 1.0), (0.0, 0.5)] if quadratic else []
+    first = 5.0 if kind == "CAX4" else 0.0
+    deck = "*NODE\n" + "".join(f"{i}, {first + x}, {y}, 0.\n" for (x, y), i in number.items())
+    deck += f"*ELEMENT, TYPE={kind}, ELSET=ALL\n1, " + ", ".join(str(number[p]) for p in corners + sides) + "\n"
+    section = "*MEMBRANE SECTION, ELSET=ALL, MATERIAL=M\n0.5\n" if kind[0] == "M" else "*SOLID SECTION, ELSET=ALL, MATERIAL=M\n" + ("" if kind[1] == "A" else "0.5\n")
+    moved = {i: ((first + x) * along, y * across) for (x, y), i in number.items()}
+    rows = "".join(f"{i}, 1, 1, {u:.15g}\n{i}, 2, 2, {v:.15g}\n" + (f"{i}, 3\n" if kind[0] == "M" else "") for i, (u, v) in moved.items())
+    done = run_deck(f"{deck}{law(word, section)}*STEP\n*STATIC\n*BOUNDARY\n{rows}*EL PRINT, ELSET=ALL\nS\n*END STEP\n")
+    assert done.returncode == 0, done.stdout + done.stderr
+    if kind in ("CPE4", "CAX4"):
+        strain = np.diag([along, across, 0.0 if kind == "CPE4" else along])
+        expected = np.diag(cut(word, strain))
+    else:
+        plane = E / (1 - NU**2) * np.array([along + NU * across, across + NU * along, 0.0])
+        expected = SIDES[word] * np.maximum(SIDES[word] * plane, 0.0)
+    for row in read_dat(tmp_path / "job.dat")[-1].rows.values():
+        assert row[:3] == pytest.approx(expected, abs=1e-6 * E * 0.02)
+
+
+@pytest.mark.parametrize("kind", ["CPS8R", "CPE8R"])
+def test_wall_outside_core(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """A wall without tensile strength under a force off its middle by e > h/6: pressed over c = 3 (h/2 - e), its stress falls linearly from 2 N/(b c) to zero.
+    Reference: S. Timoshenko, Strength of Materials, part I (1955), article on eccentric compression of a short strut that cannot resist tension."""
+    height, depth, width, force = 2.0, 1.0, 0.5, 100.0
+    off = depth / 3
+    pressed = 3 * (depth / 2 - off)
+    edge_stress = 2 * force / (width * pressed)
+    cards, base, top, last = plane_wall(kind, 16, depth, height)
+    sets_text = "".join(f"*NSET, NSET={s}\n" + "".join(f"{i + 1},\n" for i in m) for s, m in [("BASE", base), ("TOP", top)])
+    reference = last + 1
+    deck = f"{cards}{sets_text}*MATERIAL, NAME=M\n*ELASTIC\n1e5, 0.\n*NO TENSION\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n{width}\n"
+    deck += f"*NODE, NSET=R\n{reference}, {off:.15g}, {height:g}\n*RIGID BODY, TIE NSET=TOP, REF NODE={reference}\n*BOUNDARY\nBASE, 2\n{base[0] + 1}, 1\n{reference}, 1\n"
+    deck += "*STEP\n*CONTROLS, PARAMETERS=TIME INCREMENTATION\n40, 40, , 60\n*STATIC\n0.25, 1.\n"
+    deck += f"*CLOAD\n{reference}, 2, {-force}\n*NODE PRINT, NSET=R\nU\n*NODE PRINT, NSET=R\nUR\n*END STEP\n"
+    done = run_deck(deck)
+    assert done.returncode == 0, done.stdout + done.stderr
+    tables = read_dat(tmp_path / "job.dat")
+    moved = next(iter(next(t for t in reversed(tables) if "displacements" in t.name[0]).rows.values()))
+    turned = next(iter(next(t for t in reversed(tables) if "rotations" in t.name[0]).rows.values()))
+    shortening = edge_stress / 1e5 * height
+    assert moved[1] == pytest.approx(-2 / 3 * shortening, rel=5e-3)
+    assert max(abs(x) for x in turned) == pytest.approx(shortening / pressed, rel=1e-2)
+
+
+def plane_wall(kind: str, n: int, depth: float, height: float) -> tuple[str, list[int], list[int], int]:
+    """A wall of n x 4 elements of eight nodes: its cards, the nodes (from 0) of base and top, their number."""
+    place: dict[tuple[int, int], int] = {}
+    rows, elements = "", ""
+    for j in range(9):
+        for i in range(2 * n + 1):
+            if i % 2 and j % 2:
+                continue
+            place[i, j] = len(place)
+            rows += f"{len(place)}, {depth * (i / (2 * n) - 0.5):.15g}, {height * j / 8:.15g}\n"
+    for j in range(0, 8, 2):
+        for i in range(0, 2 * n, 2):
+            around = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1)]
+            elements += f"{1 + j // 2 * n + i // 2}, " + ", ".join(str(1 + place[i + a, j + b]) for a, b in around) + "\n"
+    base, top = ([k for (_, j), k in place.items() if j == at] for at in (0, 8))
+    return f"*NODE\n{rows}*ELEMENT, TYPE={kind}, ELSET=ALL\n{elements}", base, top, len(place)
+
+
+CUBE = as_kind(block(between(0, 1, 1), between(0, 1, 1), between(0, 1, 1), "BODY"), "C3D8")
+
+
+@pytest.mark.parametrize(
+    ("cards", "option", "words"),
+    [
+        ("*NO TENSION\n*NO COMPRESSION\n", "abaqus", "has *NO COMPRESSION or *NO TENSION before this card"),
+        ("*NO TENSION\n*PLASTIC\n10., 0.\n", "abaqus", "beside a law that is not linear elastic"),
+        ("*NO TENSION\n", "calculix", "CalculiX has no *NO COMPRESSION and *NO TENSION"),
+    ],
+)  # fmt: skip
+def test_refused(run_deck: Run, cards: str, option: str, words: str) -> None:
+    """What the cards do not go with."""
+    deck = f"{CUBE.cards()}*MATERIAL, NAME=M\n*ELASTIC\n{E}, {NU}\n{cards}*SOLID SECTION, ELSET=ALL, MATERIAL=M\n"
+    done = run_deck(deck + "*STEP\n*STATIC\n*BOUNDARY\n1, 1, 3\n*END STEP\n", f"--dialect={option}")
+    assert done.returncode == 3
+    assert words in " ".join((done.stdout + done.stderr).split())
