@@ -21,7 +21,8 @@ module amontons_beam_rules
   use amontons_tensor, only: solve_normal_equations
   implicit none
   private
-  public :: is_beam_kind, set_beam_rule, extrapolate_beam, interpolate_printed_points, MAX_PRINTED_POINTS, GAUSS_2, GAUSS_3
+  public :: is_beam_kind, set_beam_rule, extrapolate_beam, extrapolate_beam_trilinearly, interpolate_printed_points, &
+    MAX_PRINTED_POINTS, GAUSS_2, GAUSS_3
 
   integer, parameter :: MAX_PRINTED_POINTS = 50    !< most points of a beam in tables of CalculiX
   integer, parameter :: MAX_SECTION_POINTS = 12    !< most points over a cross-section
@@ -150,6 +151,69 @@ contains
     end if
     matrix(:size(nodes, 2), :n) = fit(kind, xi(:, :n), place)
   end subroutine extrapolate_beam
+
+
+  !> Extrapolation from the points to the nodes as in CalculiX: trilinear through eight points, of mid-side nodes the mean of their
+  !! corners.
+  !!
+  !! | section | eight points |
+  !! |---|---|
+  !! | rectangle | those of 2 x 2 x 2 by Gauss |
+  !! | pipe | the same; there the mean of the four diagonal points, and the difference to it by the ratio of the radii |
+  !! | box | the corners of the middle lines of the walls |
+  !!
+  !! Corners of pipes are thus those of the rectangle around them, where there is no wall. Source: CalculiX 2.20, extrapolate.f,
+  !! beamextscheme.f.
+  pure subroutine extrapolate_beam_trilinearly(kind, walls, nodes, matrix)
+    integer, intent(in) :: kind                    !< KIND_BEAM_RECT, KIND_BEAM_PIPE or KIND_BEAM_BOX
+    real(DP), intent(in) :: walls(4)
+    real(DP), intent(in) :: nodes(:, :)            !< (3, 20) natural coordinates of the nodes, from -1 to 1
+    real(DP), intent(out) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< zero past the points [-]
+    real(DP) :: at_eight(8, MAX_ELEMENT_POINTS), eight(3, 8), xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), low(3), high(3), &
+      from(MAX_PRINTED_POINTS, MAX_ELEMENT_POINTS), corner(2, 5), s(3), place(3), r
+    integer :: n, m, a, k, i, c
+    call set_beam_rule(kind, walls, n, xi, w)
+    low = -GAUSS_2
+    high = GAUSS_2
+    at_eight = 0
+    if (kind == KIND_BEAM_BOX) then
+      corner = box_corners(walls)
+      low(2:) = minval(corner, dim=2)
+      high(2:) = maxval(corner, dim=2)
+      call interpolate_printed_points(kind, m, from)
+    end if
+    do k = 0, 1
+      do c = 1, 4                                  ! eta fastest
+        i = 4 * k + c
+        place = merge(low, high, [k, modulo(c - 1, 2), (c - 1) / 2] == 0)
+        eight(:, i) = place
+        select case (kind)
+        case (KIND_BEAM_PIPE)
+          r = sqrt(2.0_DP) * GAUSS_2 / norm2(xi(2:, 2))
+          m = 8 * k + 2 * minloc([(norm2(xi(2:, 8 * k + 2 * a) / norm2(xi(2:, 2)) - place(2:) / norm2(place(2:))), a=1, 4)], dim=1)
+          at_eight(i, 8 * k + 2:8 * k + 8:2) = 0.25_DP * (1 - r)
+          at_eight(i, m) = at_eight(i, m) + r
+        case (KIND_BEAM_BOX)
+          m = 16 * k + 4 * minloc([(norm2(corner(:, a) - place(2:)), a=1, 4)], dim=1) - 3
+          at_eight(i, :) = from(m, :)
+        end select
+      end do
+    end do
+    if (kind == KIND_BEAM_RECT) at_eight(:, :n) = fit(kind, xi(:, :n), eight)
+    matrix = 0
+    do a = 1, size(nodes, 2)
+      do i = 1, 8
+        r = 0
+        do m = -1, 1, 2                            ! both ends of its edge, twice the corner itself
+          place = nodes(:, a)
+          where (.not. abs(place) > 0) place = real(m, DP)
+          s = merge(high - place, place - low, [(i - 1) / 4, modulo(i - 1, 2), modulo((i - 1) / 2, 2)] == 0) / (high - low)
+          r = r + 0.5_DP * product(s)
+        end do
+        matrix(a, :) = matrix(a, :) + r * at_eight(i, :)
+      end do
+    end do
+  end subroutine extrapolate_beam_trilinearly
 
 
   !> From the points to those of CalculiX's tables; n = 0: the same points.

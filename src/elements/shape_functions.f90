@@ -6,7 +6,7 @@
 !! zero. Integration points are ordered as CalculiX prints them: xi fastest, then eta, then zeta.
 module amontons_shape_functions
   use amontons_kinds, only: DP
-  use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, GAUSS_2, GAUSS_3
+  use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, extrapolate_beam_trilinearly, GAUSS_2, GAUSS_3
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, KIND_CPS3, &
     KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
@@ -476,12 +476,18 @@ contains
   !! | plane shell     | linear through the 2 points of its height           | the same              |
   !! | T3D3            | linear through 2 points                             | mean of the 2 ends    |
   !! | beams           | least squares fit, see `extrapolate_beam`           | the same              |
-  pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points, walls)
+  !!
+  !! With `is_calculix` beams are extrapolated by `extrapolate_beam_trilinearly`, C3D15 of a layer by `extrapolate_layer_wedge`.
+  pure subroutine extrapolation_matrix(kind, matrix, n_nodes, n_points, walls, is_calculix)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(out) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< [-], zero past n_nodes, n_points
     integer, intent(out) :: n_nodes, n_points
     real(DP), intent(in), optional :: walls(4)     !< of a hollow beam; absent: all other elements [-]
+    logical, intent(in), optional :: is_calculix   !< as CalculiX does it; default .false.
     type(element_kind_type) :: entry
+    logical :: is_as_there
+    is_as_there = .false.
+    if (present(is_calculix)) is_as_there = is_calculix
     entry = element_kind(kind)
     n_nodes = entry%n_nodes
     n_points = entry%n_points
@@ -499,13 +505,21 @@ contains
     case (KIND_C3D15)
       call extrapolate_wedge([-GAUSS_3, 0.0_DP, GAUSS_3], matrix)
     case (KIND_C3D15_LAYER)
-      call extrapolate_wedge([-GAUSS_2, GAUSS_2], matrix)
+      if (is_as_there) then
+        call extrapolate_layer_wedge(matrix)
+      else
+        call extrapolate_wedge([-GAUSS_2, GAUSS_2], matrix)
+      end if
     case (KIND_C3D20)
       call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
     case (KIND_CPS3:KIND_T3D3)
       call extrapolate_embedded(kind, n_nodes, n_points, matrix)
     case (KIND_BEAM_RECT:KIND_BEAM_CIRC)
-      call extrapolate_beam(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)
+      if (is_as_there .and. kind /= KIND_BEAM_CIRC) then
+        call extrapolate_beam_trilinearly(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)
+      else
+        call extrapolate_beam(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)
+      end if
     case default
       if (n_points == 1) matrix(:n_nodes, 1) = 1
     end select
@@ -549,6 +563,27 @@ contains
       end do
     end do
   end subroutine extrapolate_wedge
+
+
+  !> The C3D15 of a layer by the weights of CalculiX, which are exact for constant values alone: the value of a corner is that of
+  !! its point plus a quarter of the difference to each other point, of the second and third corner to each other's alone. Source:
+  !! CalculiX 2.20, extrapolate.f.
+  pure subroutine extrapolate_layer_wedge(matrix)
+    real(DP), intent(inout) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    real(DP), parameter :: OVER_TRIANGLE(3, 3) = reshape([1.5_DP, 0.0_DP, 0.0_DP, -0.25_DP, 1.25_DP, -0.25_DP, -0.25_DP, &
+      -0.25_DP, 1.25_DP], [3, 3])                  ! (corner, point)
+    real(DP) :: area(3), height
+    integer :: a, i, k
+    do a = 1, 15                                   ! at the middle of an edge the mean of its ends
+      area = [1 - WEDGE_NODES(1, a) - WEDGE_NODES(2, a), WEDGE_NODES(1, a), WEDGE_NODES(2, a)]
+      do k = 1, 2
+        height = real(2 * k - 3, DP) * WEDGE_NODES(3, a) / GAUSS_2
+        do i = 1, 3
+          matrix(a, 3 * k - 3 + i) = 0.5_DP * (1 + height) * dot_product(area, OVER_TRIANGLE(:, i))
+        end do
+      end do
+    end do
+  end subroutine extrapolate_layer_wedge
 
 
   !> The plane kinds and trusses. A linear or bilinear function is, on an edge's middle, the mean of the corners.

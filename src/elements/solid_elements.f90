@@ -163,7 +163,8 @@ contains
   !!
   !! | element | temperature |
   !! |---|---|
-  !! | linear | the mean |
+  !! | linear | the mean; in the solid of a beam (walls > 0, full sections 1/2) linear over the cross-section, the mean along it |
+  !! | C3D6 | linear along its axis between the means of both triangles |
   !! | CSS8, CSS6 | linear over the thickness between the means of both faces |
   !! | C3D10 | linear from the corners |
   !! | C3D15, C3D20R | quadratic: at these few points it is as good as linear |
@@ -181,9 +182,10 @@ contains
     if (kind == KIND_CSS8 .or. kind == KIND_CSS6) then
       call set_layer_temperature_weights(kind, weight)
       return
-    else if (N_KIND_NODES(kind) < 10) then
+    else if (N_KIND_NODES(kind) < 10 .and. kind /= KIND_C3D6) then
       weight(:N_KIND_NODES(kind), :) = 1.0_DP / real(N_KIND_NODES(kind), DP)
-      return
+      if (.not. present(walls)) return
+      if (kind /= KIND_C3D8I .or. .not. any(walls > 0)) return
     end if
     call quadrature(kind, n_rule, xi, w, walls)
     if (kind == KIND_C3D20 .or. is_beam_kind(kind)) then
@@ -193,6 +195,9 @@ contains
     end if
     do p = 1, n_rule
       select case (kind)
+      case (KIND_C3D8I)
+        call shape_functions(kind, [0.0_DP, xi(2, p), xi(3, p)], N, dN)
+        weight(:8, p) = N(:8)
       case (KIND_C3D10)
         call shape_functions(KIND_C3D4, xi(:, p), N, dN)
         weight(:4, p) = N(:4)

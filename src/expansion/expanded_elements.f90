@@ -18,7 +18,7 @@ module amontons_expanded_elements
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, append_nodes, replace_element_nodes, finalize_mesh
   use amontons_structural_data, only: structure_type, structural_section_type, director_type, n_section_layers, &
-    layer_heights, SECTION_CIRC, SECTION_PIPE, &
+    layer_heights, SECTION_RECT, SECTION_CIRC, SECTION_PIPE, &
     SECTION_BOX
   use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_B31, KIND_B31R, KIND_B32, &
     KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_C3D15_LAYER, KIND_CSS6, KIND_CSS8, KIND_C3D20, &
@@ -91,9 +91,10 @@ contains
     case (SECTION_BOX)
       mesh%kind(e) = KIND_BEAM_BOX
     end select
-    if (section%shape /= SECTION_PIPE .and. section%shape /= SECTION_BOX) return
+    if (section%shape /= SECTION_PIPE .and. section%shape /= SECTION_BOX .and. (is_calculix .or. mesh%kind(e) /= KIND_C3D8I)) return
     if (.not. allocated(mesh%walls)) allocate (mesh%walls(4, mesh%n_elements), source=0.0_DP)
     mesh%walls(:, e) = section%walls
+    if (section%shape == SECTION_RECT) mesh%walls(:, e) = 0.5_DP   ! walls that meet: it bends by a gradient of the temperature
   end subroutine set_beam_section
 
 

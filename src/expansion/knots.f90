@@ -2,7 +2,7 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! A node with one director moves with the mean of it. Where rotations or moments act, the mean rotations of the fibre or of the
-!! cross-section are those of a rotation node.
+!! cross-section are those of a rotation node (calculix dialect, and cross-sections without nodes on their sides), or it is a knot.
 !!
 !! A node with several directors is a knot: all their nodes follow the node, its rotation w and a uniform stretch e,
 !! u_i = u + ((1 + e) R(w) - 1) (X_i - X). The stretch leaves the Poisson strain across the thickness free; a single
@@ -33,8 +33,9 @@ module amontons_knots
 contains
 
   !> Ties and knots of all expanded nodes, into the equations and nonlinear constraints of the model.
-  subroutine connect_nodes(model)
+  subroutine connect_nodes(model, turns_far)
     type(model_type), intent(inout) :: model     !< expanded
+    logical, intent(in) :: turns_far             !< rotations may be finite
     type(equation_type), allocatable :: equations(:)
     type(nonlinear_mpc_type), allocatable :: mpcs(:)
     logical, allocatable :: is_drill_free(:), is_drill_named(:)
@@ -52,7 +53,7 @@ contains
       do while (i <= size(structure%directors))  ! those of a node lie together
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
-          call add_knot(model, i, last, mpcs, n_mpcs)
+          call add_knot(model, turns_far, i, last, mpcs, n_mpcs)
           if (is_drill_driven(model, i, last)) call add_drill_mpc(model, structure%directors(i), &
             elements_at(first_at(structure%directors(i)%node):first_at(structure%directors(i)%node + 1) - 1), mpcs, n_mpcs)
           if (.not. is_drill_free(structure%directors(i)%node)) call hold_drill(model, structure%directors(i:last), &
@@ -86,15 +87,27 @@ contains
 
 
   !> Whether the directors first to last of a node make a knot, which turns by finite rotations: several; under the abaqus dialect a
-  !! single fibre that is turned, and a cross-section with which a force turns.
+  !! single fibre that is turned, a cross-section with which a force turns, and one of a solid of 20 nodes that the deck turns: a
+  !! moment on some of its nodes would bend it out of its plane, the more the finer the mesh.
   pure logical function is_knot(model, first, last)
     type(model_type), intent(in) :: model
     integer, intent(in) :: first, last
     associate (director => model%structure%directors(first))
-      is_knot = last > first .or. model%structure%is_follower(director%node) .or. (model%dialect /= DIALECT_CALCULIX .and. &
-        director%n_outer == 2 .and. model%structure%is_turned(director%node))
+      is_knot = last > first .or. model%structure%is_follower(director%node)
+      if (is_knot .or. model%dialect == DIALECT_CALCULIX) return
+      if (director%n_outer == 2) is_knot = model%structure%is_turned(director%node)
+      if (director%n_outer == 4 .and. size(director%nodes) > 4) is_knot = is_turned_by_deck(model%structure, director%node)
     end associate
   end function is_knot
+
+
+  !> Whether the deck names rotations or moments at a node; all nodes of beams in the plane are turned, to hold them there.
+  pure logical function is_turned_by_deck(structure, node)
+    type(structure_type), intent(in) :: structure
+    integer, intent(in) :: node                  !< of the deck
+    is_turned_by_deck = structure%is_turned(node)
+    if (structure%is_plane(node)) is_turned_by_deck = any(structure%is_driven(:, node)) .or. structure%held_from(6, node) > 0
+  end function is_turned_by_deck
 
 
   !> A rotation node, and for a knot the node of its stretch behind it; then that of the rotation of the shell around it if driven.
@@ -270,8 +283,9 @@ contains
 
 
   !> A knot of the directors first to last.
-  subroutine add_knot(model, first, last, mpcs, n_mpcs)
+  subroutine add_knot(model, turns_far, first, last, mpcs, n_mpcs)
     type(model_type), intent(in) :: model
+    logical, intent(in) :: turns_far             !< rotations may be finite
     integer, intent(in) :: first, last
     type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
     integer, intent(inout) :: n_mpcs            !< number of mpcs
@@ -298,7 +312,7 @@ contains
           mpc%node = [mpc%node, directors(i)%nodes(:k)]
           if (k == size(directors(i)%nodes)) cycle
           n_mpcs = n_mpcs + 1
-          mpcs(n_mpcs) = inner_nodes_of_knot(mpc, directors(i))
+          mpcs(n_mpcs) = inner_nodes_of_knot(mpc, directors(i), turns_far)
         end do
       end associate
     end associate
@@ -306,10 +320,13 @@ contains
 
 
   !> The inner nodes of a fibre or cross-section follow the knot within the shell and along the beam, so that clamped edges and
-  !! joints are as stiff in tension as the rest. Across them they are free: bending strains thickness and cross-section.
-  pure function inner_nodes_of_knot(knot, director) result(mpc)
+  !! joints are as stiff in tension as the rest. Across them they are free: bending strains thickness and cross-section. Where a
+  !! cross-section may turn by finite rotations, its inner nodes follow the knot in all directions, since the axes of rows do not
+  !! turn.
+  pure function inner_nodes_of_knot(knot, director, turns_far) result(mpc)
     type(nonlinear_mpc_type), intent(in) :: knot !< of the outer nodes
     type(director_type), intent(in) :: director  !< with inner nodes that the knot leaves
+    logical, intent(in) :: turns_far             !< rotations may be finite
     type(nonlinear_mpc_type) :: mpc
     real(DP) :: axes(3, 3)
     integer :: m
@@ -318,7 +335,7 @@ contains
     if (director%n_outer == 4) then
       axes(:, 1) = cross_product(director%axes(:, 1), director%axes(:, 2))
       axes(:, 2:) = director%axes
-      mpc%is_bound = [.true., .false., .false.]
+      mpc%is_bound = [.true., turns_far, turns_far]
     else
       axes(:, 3) = director%axes(:, 1)
       axes(:, 1) = 0

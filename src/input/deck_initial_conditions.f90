@@ -10,6 +10,7 @@ module amontons_deck_initial_conditions
     check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
   use amontons_element_kinds, only: is_membrane
   use amontons_loads, only: temperature_type, load_value
+  use amontons_structural_data, only: interpolate_added_nodes
   use amontons_containers, only: name_table_type
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
     HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, is_one_sided, &
@@ -449,6 +450,8 @@ contains
         end select
       end do
     end do
+    if (allocated(model%structure) .and. allocated(model%initial_temperature)) call interpolate_added_nodes(model%structure, &
+      model%mesh%n_nodes, model%initial_temperature)
   end subroutine read_initial_conditions
 
 

@@ -13,6 +13,7 @@ module amontons_deck_loads
     report_note, read_real, read_integer, check_n_fields, &
     nodes_of_field, elements_of_field, find_amplitude, is_card
   use amontons_containers, only: name_table_type
+  use amontons_deck_beam_loads, only: is_beam, read_line_load
   use amontons_loads, only: prescribed_type, has_integral, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL, &
     DISTRIBUTED_BODY_FORCE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type
@@ -328,6 +329,8 @@ contains
           'force per area in a direction, or TRSHR, its part along the surface; it is ''' // label // '''.')
       else if (face_number(strip_nu(label), 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
+      else if (reader%dialect /= DIALECT_CALCULIX .and. is_one_of(label, 'PX|PY|PZ')) then
+        call read_line_load(reader, model, row, amplitude, active_loads)
       else if (reader%dialect == DIALECT_CALCULIX .and. is_one_of(label, 'P1NP|P2NP|P3NP|P4NP|P5NP|P6NP')) then
         call read_node_pressure(reader, model, row, active_loads)
       else if (is_one_of(label, 'GRAV|CENTRIF|BX|BY|BZ|BR')) then
@@ -335,7 +338,8 @@ contains
       else
         call report_error(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
           'surface), each with NU for one by the routine DLOAD, P1NP to P6NP (calculix dialect: that of a node), GRAV ' // &
-          '(gravity), CENTRIF (rotation) or BX, BY, BZ, BR (force per volume); it is ''' // label // '''.')
+          '(gravity), CENTRIF (rotation), BX, BY, BZ, BR (force per volume) or, on beams, P1, P2 or (abaqus dialect) PX, PY, ' // &
+          'PZ (force per length); it is ''' // label // '''.')
       end if
     end do
   end subroutine read_dload
@@ -518,6 +522,10 @@ contains
     if (.not. is_ok) return
     call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
     label = name_key(field_text(reader%cards, row, 2))
+    if (is_one_of(label, 'P1|P2') .and. any([(is_beam(model, elements(i)), i=1, size(elements))])) then
+      call read_line_load(reader, model, row, amplitude, active_loads)
+      return
+    end if
     if (is_by_user(field_text(reader%cards, row, 2)) .and. size(elements) > 0) call check_solid_faces(reader, model, row, &
       elements(1))
     n_without = 0
@@ -539,7 +547,7 @@ contains
     end do
     if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here ' // &
       verb(n_without, 'takes', 'take') // ' no load ' // label // '; tetrahedra have 4 faces (P1 to P4), wedges 5, ' // &
-      'hexahedra 6; shells take P and EDNOR1 to EDNOR4.')
+      'hexahedra 6; shells take P and EDNOR1 to EDNOR4, beams P1 and P2.')
   end subroutine read_face_pressure
 
 

@@ -15,8 +15,10 @@ module amontons_deck_structure
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
+  use amontons_mesh, only: mesh_type
   use amontons_model, only: model_type, free_unknowns, dof_direction, DIALECT_CALCULIX
-  use amontons_structural_data, only: director_type, structural_section_type, layer_type, find_node_directors, n_section_layers
+  use amontons_structural_data, only: structure_type, director_type, structural_section_type, layer_type, find_node_directors, &
+    n_section_layers
   use amontons_text, only: plural, verb, to_text, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8, KIND_S8R, &
     KIND_SAX1, KIND_SAX2, KIND_CAX_SHELL, FAMILY_RIGID, is_two_sided, is_structural_family
@@ -382,7 +384,8 @@ contains
       call find_turned_nodes(reader, draft, model)
       call find_constrained_nodes(reader, model)
       call mark_plane_beams(mesh, structure)
-      call expand_structure(model, bad_element)
+      call expand_structure(model, bad_element, has_nlgeom(reader))
+      if (bad_element == 0) call list_added_nodes(n_given, mesh, structure)
       if (bad_element == 0) call hold_plane_beams(model)
       if (bad_element > 0 .and. reader%messages%n_errors == 0) call report_error(reader, 0, 'The element ' // &
         to_text(mesh%element_label(bad_element)) // ' has no normal at one of its nodes: it has no area ' // &
@@ -598,6 +601,48 @@ contains
     is_clamped_across = norm2(merge(normal, 0.0_DP, model%structure%held_from(:3, min(nodes(1), model%structure%n_deck_nodes)) &
       == 0)) < MIN_FREE_ACROSS * norm2(normal)
   end function is_clamped_across
+
+
+  !> Whether a step has finite rotations.
+  logical function has_nlgeom(reader)
+    type(reader_type), intent(in) :: reader
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    integer :: c
+    has_nlgeom = .false.
+    do c = 1, reader%cards%n_cards
+      if (.not. is_card(reader, c, 'STEP')) cycle
+      call open_card(reader, c, parameters, row)
+      has_nlgeom = has_nlgeom .or. has_parameter(parameters, 'NLGEOM')
+    end do
+  end function has_nlgeom
+
+
+  !> Lists the nodes that the expansion made of middle nodes that the reader added, with those of both ends beside them.
+  pure subroutine list_added_nodes(n_given, mesh, structure)
+    integer, intent(in) :: n_given               !< nodes of the deck; those behind are such middle nodes
+    type(mesh_type), intent(in) :: mesh          !< expanded
+    type(structure_type), intent(inout) :: structure
+    integer, allocatable :: list(:, :, :)
+    integer :: e, i, n
+    integer, parameter :: LINES_OF_SOLID(3, 4) = reshape([9, 1, 2, 11, 3, 4, 13, 5, 6, 15, 7, 8], [3, 4])
+    integer, parameter :: LINES_OF_MERIDIAN(3, 2) = reshape([5, 1, 2, 7, 3, 4], [3, 2])
+    if (all(structure%nodes <= n_given)) return
+    allocate (list(3, 4, mesh%n_elements))
+    n = 0
+    do e = 1, mesh%n_elements
+      if (structure%section(e) == 0) cycle
+      if (.not. any(structure%nodes(structure%first(e):structure%first(e + 1) - 1) > n_given)) cycle
+      n = n + 1
+      associate (nodes => mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))
+        do i = 1, 4
+          if (size(nodes) == 20) list(:, i, n) = nodes(LINES_OF_SOLID(:, i))
+          if (size(nodes) == 8) list(:, i, n) = nodes(LINES_OF_MERIDIAN(:, min(i, 2)))
+        end do
+      end associate
+    end do
+    if (n > 0) structure%added_between = reshape(list(:, :, :n), [3, 4 * n])
+  end subroutine list_added_nodes
 
 
   !> NODAL THICKNESS: node or set, thickness, of beams the second too. Middle nodes that the reader adds have the mean of the ends.

@@ -35,7 +35,7 @@ module amontons_mesh
     real(DP), allocatable :: section_value(:)            !< (n_elements) thickness [length], cross-section [length^2], spring
     !< constant [force/length] or mass [mass], by the kind; else 1
     real(DP), allocatable :: walls(:, :)           !< (4, n_elements) hollow beams: thickness of the walls over the dimension, see
-                                                   !! module beam_rules; unallocated: there are none [-]
+                                                   !! module beam_rules, full beams of C3D8I 1/2; unallocated: there are none [-]
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
     integer, allocatable :: section(:)             !< (n_elements) number of its SECTION card (or the like) in the deck; 0: none
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0

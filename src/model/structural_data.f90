@@ -7,7 +7,7 @@ module amontons_structural_data
   public :: structural_section_type, layer_type, structure_type, director_type
   public :: SECTION_RECT, SECTION_CIRC, SECTION_PIPE, SECTION_BOX
   public :: find_node_directors, expanded_nodes, mean_weights, force_weights, n_section_layers, layer_heights, &
-    middle_node, parabola_weights, following_nodes
+    middle_node, parabola_weights, following_nodes, interpolate_added_nodes
 
   integer, parameter :: SECTION_RECT = 1     !< cross-section of a beam: a rectangle
   integer, parameter :: SECTION_CIRC = 2     !< a circle or an ellipse
@@ -81,6 +81,8 @@ module amontons_structural_data
     integer :: n_deck_nodes = 0                  !< nodes before expansion
     ! The expansion:
     type(director_type), allocatable :: directors(:)
+    integer, allocatable :: added_between(:, :)  !< (3, :) a node of a cross-section that the reader added between the ends of a
+                                                 !! line of two nodes, and the nodes of these ends beside it
     integer, allocatable :: director_of(:)       !< (size(nodes)) index into directors; 0: of an element that is not structural
   end type structure_type
 
@@ -257,6 +259,21 @@ contains
     if (director%n_outer == 4 .or. n_director_layers(director) > 1 .or. size(weight) < 3 .or. director%is_meridional) return
     if (abs(weight(3)) > 0) weight = [-0.5_DP, -0.5_DP, 2.0_DP]
   end function force_weights
+
+
+  !> Gives the nodes that the reader added between the ends of lines the mean of these ends: temperatures, then field variables.
+  pure subroutine interpolate_added_nodes(structure, n_nodes, values)
+    type(structure_type), intent(in) :: structure
+    integer, intent(in) :: n_nodes               !< of the mesh
+    real(DP), intent(inout) :: values(:)         !< (a multiple of n_nodes) [temperature]
+    integer :: k
+    if (.not. allocated(structure%added_between)) return
+    do k = 0, size(values) - n_nodes, n_nodes
+      associate (added => structure%added_between)
+        values(k + added(1, :)) = 0.5_DP * (values(k + added(2, :)) + values(k + added(3, :)))
+      end associate
+    end do
+  end subroutine interpolate_added_nodes
 
 
   !> Nodes, then those into which they expand.

@@ -8,6 +8,8 @@
 !! As in CalculiX's own file, nodes without elements are omitted, in each frame also those whose elements are all removed
 !! (MODEL CHANGE), and elements of one node. Nodes and elements are sorted by number.
 !!
+!! Layers of composite shells share no nodes here: each has its own stresses at the interfaces.
+!!
 !! Reference: CGX manual, "Result Format": fixed columns, long form; element types 1 to 12 with their order of nodes,
 !! in which the mid-side nodes of the upright edges come before those of the top.
 module amontons_frd_output
@@ -28,6 +30,7 @@ module amontons_frd_output
   use amontons_iteration_records, only: increment_record_type
   use amontons_state, only: equivalent_plastic_strain, state_variables, n_state_variables, fields_type, slave_state_type, &
     STATUS_OPEN
+  use amontons_layer_nodes, only: separate_layers
   use amontons_nodal_fields, only: fill_midside_values, list_midside_nodes
   use amontons_postprocess, only: average_at_nodes, estimate_error, mechanical_strain, nodal_slaves, &
     n_nodal_slaves, &
@@ -50,6 +53,8 @@ module amontons_frd_output
     integer :: n_frames = 0
     integer :: n_blocks = 0
     logical :: is_all = .false.                    !< all fields, not only those requested by cards
+    type(mesh_type), allocatable :: layered        !< the mesh with separate layers of composite shells; unallocated: no such shells
+    integer, allocatable :: origin(:)              !< (n_nodes of layered) node of the model
     integer, allocatable :: nodes(:)               !< nodes with elements: those written
     integer, allocatable :: present(:)             !< those with elements in the current frame
     integer :: status = 0                          !< of the first line that could not be written
@@ -106,8 +111,13 @@ contains
     type(error_type), allocatable, intent(out) :: error
     if (frd%unit == 0) return
     call write_head(frd, model)
-    call write_nodes(frd, model%mesh)
-    call write_elements(frd, model%mesh)
+    if (allocated(frd%layered)) then
+      call write_nodes(frd, frd%layered)
+      call write_elements(frd, frd%layered)
+    else
+      call write_nodes(frd, model%mesh)
+      call write_elements(frd, model%mesh)
+    end if
     call check_written(frd, error)
   end subroutine write_frd_mesh
 
@@ -138,10 +148,19 @@ contains
     type(frd_type), intent(inout) :: frd
     type(model_type), intent(in) :: model
     type(job_options_type), intent(in) :: options
+    logical :: has_layers
     integer :: e
     frd%path = job_path(options, '.frd')
     frd%is_all = options%has_frd
-    frd%nodes = nodes_of(model%mesh, [(.false., e=1, model%mesh%n_elements)])
+    has_layers = allocated(model%mesh%layer)
+    if (has_layers) has_layers = any(model%mesh%layer > 1)
+    if (has_layers) then
+      allocate (frd%layered)
+      call separate_layers(model%mesh, frd%layered, frd%origin)
+      frd%nodes = nodes_of(frd%layered, [(.false., e=1, model%mesh%n_elements)])
+    else
+      frd%nodes = nodes_of(model%mesh, [(.false., e=1, model%mesh%n_elements)])
+    end if
   end subroutine prepare
 
 
@@ -348,9 +367,6 @@ contains
     type(increment_record_type), intent(in) :: record
     type(error_type), allocatable, intent(out) :: error
     logical :: shown(N_FRD)
-    type(frd_request_type) :: request
-    type(head_type) :: head
-    integer :: i
     if (frd%unit == 0 .or. record%increment == 0) return
     associate (step => model%steps(record%step))
       if (.not. is_output_due(step, step%file_frequency, record%increment, record%step_time, step%file_times, &
@@ -359,19 +375,39 @@ contains
     end associate
     if (.not. any(shown)) return
     frd%n_frames = frd%n_frames + 1
+    if (allocated(frd%layered)) then
+      call write_fields(frd, model, frd%layered, frd%origin, fields, record, shown)
+    else
+      call write_fields(frd, model, model%mesh, [integer ::], fields, record, shown)
+    end if
+    call check_written(frd, error)
+  end subroutine write_frd
+
+
+  !> The blocks of a frame, on a mesh whose nodes have an origin in that of the model; without origins on this one.
+  subroutine write_fields(frd, model, mesh, origin, fields, record, shown)
+    type(frd_type), intent(inout) :: frd
+    type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: origin(:)               !< (n_nodes) or empty
+    type(fields_type), intent(in) :: fields        !< committed
+    type(increment_record_type), intent(in) :: record
+    logical, intent(in) :: shown(:)                !< (N_FRD)
+    type(frd_request_type) :: request
+    type(head_type) :: head
+    integer :: i
     do i = 1, N_FRD
       if (.not. shown(i)) cycle
       request = model%steps(record%step)%frd(i)
-      frd%present = nodes_of(model%mesh, absent_elements(model, fields%step))
-      if (request%set > 0 .and. .not. frd%is_all) frd%present = nodes_in_set(model%mesh, frd%present, request%set)
+      frd%present = nodes_of(mesh, absent_elements(model, fields%step))
+      if (request%set > 0 .and. .not. frd%is_all) frd%present = nodes_in_set(model%mesh, origin, frd%present, request%set)
       head = HEADS(i)
       if (i == FRD_SDV) head%n = n_state_variables(model, fields)
       if (i == FRD_CONTACT .and. any(model%pairs%is_mortar .and. .not. model%pairs%has_point_contact)) head%kind = KIND_SCALAR
-      call write_block(frd, head, model%mesh%node_label, block_values(model, fields, i, request%is_local), fields%total_time, &
-        record)
+      call write_block(frd, head, mesh%node_label, block_values(model, mesh, origin, fields, i, request%is_local), &
+        fields%total_time, record)
     end do
-    call check_written(frd, error)
-  end subroutine write_frd
+  end subroutine write_fields
 
 
   !> The fields of a frame: those requested by cards, or all fields of the job.
@@ -397,29 +433,37 @@ contains
 
 
   !> The intersection of some nodes with a set.
-  pure function nodes_in_set(mesh, nodes, set) result(chosen)
-    type(mesh_type), intent(in) :: mesh
+  pure function nodes_in_set(mesh, origin, nodes, set) result(chosen)
+    type(mesh_type), intent(in) :: mesh            !< of the model
+    integer, intent(in) :: origin(:)               !< of the nodes in it; empty: they are its own
     integer, intent(in) :: nodes(:)
     integer, intent(in) :: set                     !< index
     integer, allocatable :: chosen(:)
     logical :: is_in(mesh%n_nodes)
     is_in = .false.
     is_in(mesh%node_sets(set)%members) = .true.
-    chosen = pack(nodes, is_in(nodes))
+    if (size(origin) > 0) then
+      chosen = pack(nodes, is_in(origin(nodes)))
+    else
+      chosen = pack(nodes, is_in(nodes))
+    end if
   end function nodes_in_set
 
 
   !> The values of a field at all nodes.
-  function block_values(model, fields, field, is_local) result(values)
+  function block_values(model, mesh, origin, fields, field, is_local) result(values)
     type(model_type), intent(in) :: model
+    type(mesh_type), intent(in) :: mesh            !< that is written
+    integer, intent(in) :: origin(:)               !< of its nodes in that of the model; empty: they are the same
     type(fields_type), intent(in) :: fields
     integer, intent(in) :: field                   !< FRD_...
     logical, intent(in) :: is_local                !< in the directions of TRANSFORM or ORIENTATION
     real(DP), allocatable :: values(:, :)          !< (components, n_nodes)
-    integer :: n_components
+    integer :: n_components, n
     n_components = HEADS(field)%n
     if (field == FRD_SDV) n_components = n_state_variables(model, fields)
-    allocate (values(n_components, model%mesh%n_nodes))
+    n = merge(mesh%n_nodes, model%mesh%n_nodes, has_mean(field))
+    allocate (values(n_components, n))
     associate (is_nlgeom => model%steps(max(1, fields%step))%is_nlgeom)
       select case (field)
       case (FRD_DISP)
@@ -443,7 +487,7 @@ contains
       case (FRD_SDV)
         call average_scalars(state_variables(model, fields))
       case (FRD_ERROR)
-        call estimate_error(model%mesh, absent_elements(model, fields%step), fields%stress, values(1, :))
+        call estimate_error(mesh, absent_elements(model, fields%step), fields%stress, values(1, :))
       case (FRD_CONTACT)
         values = contact_values(model, nodal_slaves(model, fields%slaves))
         if (any(fields%slaves%slave_facet > 0)) call fill_point_values(model, fields%slaves, values)
@@ -451,13 +495,22 @@ contains
         values(1, :) = contact_energies(model, nodal_slaves(model, fields%slaves))
       end select
     end associate
+    if (size(origin) == 0 .or. has_mean(field)) return
+    values = values(:, origin)
+    if (field == FRD_FORC .or. field == FRD_CELS) values(:, n + 1:) = 0   ! sums count once
 
   contains
+
+    !> Whether a field is a mean of the elements at a node.
+    pure logical function has_mean(field)
+      integer, intent(in) :: field                 !< FRD_...
+      has_mean = any(field == [FRD_STRESS, FRD_TOSTRAIN, FRD_MESTRAIN, FRD_THSTRAIN, FRD_PE, FRD_ENER, FRD_SDV, FRD_ERROR])
+    end function has_mean
 
     !> Nodal averages, under the calculix dialect as in CalculiX.
     subroutine average_scalars(at_points)
       real(DP), intent(in) :: at_points(:, :)      !< (components, n_points)
-      call average_at_nodes(model%mesh, absent_elements(model, fields%step), at_points, values, &
+      call average_at_nodes(mesh, absent_elements(model, fields%step), at_points, values, &
         model%dialect == DIALECT_CALCULIX)
     end subroutine average_scalars
 

@@ -77,8 +77,8 @@ contains
   !! mix, since they share no node. Springs and masses have no stress and do not count. A node without elements gets 0.
   !! Cost: linear.
   !!
-  !! With `is_calculix`, springs and gaps of two nodes count as elements without stress, and the points of C3D6 are extrapolated to
-  !! the nodes one by one, as far as those of a rule of three points.
+  !! With `is_calculix`, springs and gaps of two nodes count as elements without stress, the points of C3D6 are extrapolated to
+  !! the nodes one by one, as far as those of a rule of three points, and beams and layers of C3D15 as `extrapolation_matrix` says.
   !!
   !! With `elements` and `place` it takes those nodes alone which have a place, and all elements at them.
   subroutine average_at_nodes(mesh, is_absent, values, averages, is_calculix, elements, place)
@@ -115,7 +115,7 @@ contains
         cycle
       end if
       if (.not. is_made(kind) .or. is_beam_kind(kind)) call extrapolation_matrix(kind, matrix(:, :, kind), n, n_points, &
-        wall_ratios(mesh, e))
+        wall_ratios(mesh, e), is_as_there)
       if (is_as_there .and. kind == KIND_C3D6) matrix(:6, :2, kind) = reshape([TRUSS_WEIGHTS, 1 - TRUSS_WEIGHTS], [6, 2])
       is_made(kind) = .true.
       call element_nodes(mesh, e, n, nodes)

@@ -13,6 +13,7 @@ module amontons_state
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes
   use amontons_friction_slip_scenarios, only: STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_steps, only: step_type
+  use amontons_structural_data, only: interpolate_added_nodes
   use amontons_user_elements, only: n_user_memory
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
   use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_CAX_SHELL, is_membrane, MAX_ELEMENT_NODES, &
@@ -303,6 +304,7 @@ contains
       do i = 1, size(step%temperatures)
         new%temperature(step%temperatures(i)%node) = load_now(model, step, step%temperatures(i), new%step_time, new%total_time)
       end do
+      if (allocated(model%structure)) call interpolate_added_nodes(model%structure, model%mesh%n_nodes, new%temperature)
     end associate
   end subroutine set_temperatures
 

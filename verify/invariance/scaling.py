@@ -51,7 +51,7 @@ UNITS = {
     "FRICTION": "1K", "CONTACT INTERFERENCE": "11L",
     "SURFACE BEHAVIOR": {"EXPONENTIAL": "LS", "TABULAR": "SL", "LINEAR": "KSL", "": "K"},
     "BOUNDARY": {r"\|[^,]*,[456]\b|@": "1", "": "111L"}, "CLOAD": {r"\|[^,]*,[456],|@": "11M", "": "11F"},
-    "DLOAD": {",GRAV,": "11L1", ",CENTRIF,": "111LLL1", ",B[XYZ],": "11K", ",EDNOR": "11Q1", "": "11S1"}, "DSLOAD": "11S1",
+    "DLOAD": {",GRAV,": "11L1", ",CENTRIF,": "111LLL1", ",B[XYZ],": "11K", ",P[XYZ],": "11Q1", ",EDNOR": "11Q1", "": "11S1"}, "DSLOAD": "11S1",
     "AMPLITUDE": {"PERIODIC": "111X1111X", "MODULATED": "XX1", "DECAY": "XX1", "EQUALLYSPACED": "X", "": "1X1X1X1X"},
 }  # fmt: skip
 #: Defaults that are numbers without a unit: thickness and area, stiffness and force of a gap.

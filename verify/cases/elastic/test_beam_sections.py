@@ -288,3 +288,25 @@ def test_pretension(proof: Proof, kind: str) -> None:
     jump = np.r_[np.full(5, 105.0), np.full(5, 95.0)]
     case.near("SF1 with the force", forces[1], jump, 2e-3, why="both halves are alike but for the place of the section", place="all elements", time="t = 2")
     case.done()
+
+
+TURNS = {"moment": ("*CLOAD\nEND, 6, 1.\n", lambda i: LENGTH / (MODULUS * i), True), "rotation": ("*BOUNDARY\nEND, 6, 6, .01\n", lambda _: 0.01 * LENGTH / 2, False),
+         "guided": ("*BOUNDARY\nEND, 6, 6\n*CLOAD\nEND, 2, 1.\n", lambda i: LENGTH**3 / (12 * MODULUS * i), False)}  # fmt: skip
+
+
+@pytest.mark.parametrize("load", TURNS)
+@pytest.mark.parametrize("n", [10, 40])
+@pytest.mark.parametrize(("kind", "name"), [("B31", "rect"), ("B31", "circ"), ("B31", "pipe"), ("B32", "rect"), ("B32", "circ"), ("B22", "rect")])
+def test_ends_that_turn(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, kind: str, name: str, n: int, load: str) -> None:
+    """A moment turns the end by M L / (E I), a prescribed rotation deflects it by turn L / 2, and an end that may not turn deflects by
+    F L^3 / (12 E I), on any mesh: the cross-section at which rotations or moments are given stays plane. Limit: 1 %, shear and the clamp.
+    """
+    section = {"rect": rectangle(0.4, 0.6), "circ": circle(0.3), "pipe": pipe(0.3, 0.05)}[name]
+    deck = beam(kind, section, ".6, .4" if kind == "B22" else "", n=n)
+    if kind == "B22":
+        deck = deck.replace("0., 1., 0.\n", "")
+    cards, closed_form, is_rotation = TURNS[load]
+    done = run_deck(deck + step(cards).replace("*END", "*NODE PRINT, NSET=END\nU, UR\n*END"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    moved, turned = (list(block.rows.values())[0] for block in read_dat(tmp_path / "job.dat")[:2])
+    assert (turned[2] if is_rotation else moved[1]) == pytest.approx(closed_form(section.inertia_1), rel=0.01)

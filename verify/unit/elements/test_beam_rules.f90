@@ -1,7 +1,8 @@
 !> Unit test of beam_rules: area, moments, extrapolation and tables of each cross-section.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_beam_rules
-  use amontons_beam_rules, only: is_beam_kind, set_beam_rule, extrapolate_beam, interpolate_printed_points, MAX_PRINTED_POINTS
+  use amontons_beam_rules, only: is_beam_kind, set_beam_rule, extrapolate_beam, extrapolate_beam_trilinearly, &
+    interpolate_printed_points, MAX_PRINTED_POINTS
   use amontons_kinds, only: DP, PI
   use amontons_shape_functions, only: node_coordinates
   use amontons_element_kinds, only: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_C3D20, KIND_CPS3, &
@@ -22,6 +23,7 @@ program test_beam_rules
   call check_box()
   call check_fourth_moment()
   call check_extrapolation()
+  call check_trilinear()
   call check_tables()
   call suite%finish()
 
@@ -81,6 +83,30 @@ contains
       call suite%near('circle: r^6', sum(w * square**3) / 2, PI / 4, 1.0e-14_DP)
     end associate
   end subroutine check_fourth_moment
+
+
+  !> A linear field comes back at the nodes of rectangles, pipes and boxes, beyond the edge of pipes too; so does a product of two
+  !! coordinates in a rectangle.
+  subroutine check_trilinear()
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), nodes(3, MAX_ELEMENT_NODES), matrix(MAX_ELEMENT_NODES, &
+      MAX_ELEMENT_POINTS), values(MAX_ELEMENT_POINTS)
+    integer :: kind, n, a
+    call node_coordinates(KIND_C3D20, nodes)
+    do kind = KIND_BEAM_RECT, KIND_BEAM_BOX
+      xi = 0
+      w = 0
+      call set_beam_rule(kind, WALLS, n, xi, w)
+      call extrapolate_beam_trilinearly(kind, WALLS, nodes, matrix)
+      values = 1 + 2 * xi(2, :) - 3 * xi(3, :) + xi(1, :) * (0.5_DP + xi(2, :))
+      if (kind == KIND_BEAM_RECT) values = values + xi(2, :) * xi(3, :)
+      do a = 1, 20
+        associate (place => nodes(:, a), twist => merge(product(nodes(2:, a)), 0.0_DP, kind == KIND_BEAM_RECT))
+          call suite%near('trilinear', dot_product(matrix(a, :n), values(:n)), 1 + 2 * place(2) - 3 * place(3) + place(1) * &
+            (0.5_DP + place(2)) + twist, 2.0e-13_DP)
+        end associate
+      end do
+    end do
+  end subroutine check_trilinear
 
 
   !> A linear field comes back at the nodes; of circles at the edge of the section. A rectangle returns quadratic fields.
