@@ -254,7 +254,7 @@ uses_motion_rows = kinds containers column_singletons sparse_null_space
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds mesh surfaces steps model contact_constraint_rows state stabilization contact_pairs model_check_bodies model_check_contact motion_rows rigid_modes
 uses_balanced_bodies = kinds text tensor loads mpc_data structural_data model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion
-uses_model_check_unpaired = kinds text containers errors element_kinds surfaces model exterior_surface facet_search face_proximity general_contact model_check_bodies
+uses_model_check_unpaired = kinds text containers errors element_kinds mesh surfaces model exterior_surface facet_search face_proximity general_contact model_check_bodies
 uses_model_check = kinds text containers errors element_kinds loads mesh mpc_data steps model element contact_constraint_rows slave_node_overrides state constraints nonlinear_mpc contact_pairs model_check_bodies model_check_contact model_check_motion model_check_unpaired
 
 # nonlinear

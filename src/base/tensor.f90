@@ -9,7 +9,8 @@ module amontons_tensor
   public :: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX
   public :: trace, cross_product, skew_matrix, outer_product, determinant, determinant_minus_one, invert
   public :: rotation_matrix, moment_on_vector
-  public :: pack_voigt, unpack_voigt, push_forward, double_dot, von_mises, symmetric_eigen, solve_normal_equations
+  public :: pack_voigt, unpack_voigt, push_forward, double_dot, von_mises, symmetric_eigen, extreme_eigenvalues
+  public :: solve_normal_equations
 
   real(DP), parameter :: IDENTITY(3, 3) = reshape([real(DP) :: 1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
   real(DP), parameter :: VOIGT_IDENTITY(6) = [real(DP) :: 1, 1, 1, 0, 0, 0]
@@ -183,25 +184,59 @@ contains
   end subroutine symmetric_eigen
 
 
+  !> The least and the largest eigenvalue of a symmetric tensor, to half of the digits of their difference.
+  !!
+  !! Those of a deviator whose double dot product with itself is 6 are b and (-b +- sqrt(12 - 3 b^2)) / 2, with its sign, where b,
+  !! from sqrt(3) to 2, is that of largest magnitude.
+  pure function extreme_eigenvalues(A) result(values)
+    real(DP), intent(in) :: A(6)                   !< Voigt vector
+    real(DP) :: values(2)                          !< least, largest
+    real(DP) :: mean, scale, d(6), p, h, beta
+    mean = (A(1) + A(2) + A(3)) / 3
+    values = mean
+    d = A - mean * VOIGT_IDENTITY
+    scale = maxval(abs(d))
+    if (.not. scale > 0) return
+    d = d * (1 / max(scale, tiny(scale)))
+    p = sqrt(double_dot(d, d) / 6)
+    h = half_determinant(d * (1 / p))
+    beta = isolated_eigenvalue(abs(h))
+    values = [-0.5_DP * (beta + sqrt(max(0.0_DP, 12 - 3 * beta * beta))), beta]
+    if (h < 0) values = -values(2:1:-1)
+    values = mean + scale * p * values
+  end function extreme_eigenvalues
+
+
   !> The unit eigenvector of a deviator for the eigenvalue that is separated from the two others.
   pure function isolated_eigenvector(d) result(v)
     real(DP), intent(in) :: d(6)                   !< deviator, scaled: largest component 1
     real(DP) :: v(3)
-    real(DP) :: p, h, beta, m(6)
-    integer :: i
-    p = sqrt(double_dot(d, d) / 6)
-    m = d * (1 / p)
+    real(DP) :: h, m(6)
+    m = d * (1 / sqrt(double_dot(d, d) / 6))
+    h = half_determinant(m)
+    v = largest_adjugate_column(m - sign(isolated_eigenvalue(abs(h)), h) * VOIGT_IDENTITY)
+  end function isolated_eigenvector
+
+
+  !> Half of the determinant of a symmetric tensor.
+  pure real(DP) function half_determinant(m) result(h)
+    real(DP), intent(in) :: m(6)                   !< Voigt vector
     h = 0.5_DP * (m(1) * (m(2) * m(3) - m(5) * m(5)) - m(4) * (m(4) * m(3) - m(5) * m(6)) &
       + m(6) * (m(4) * m(5) - m(2) * m(6)))
+  end function half_determinant
+
+
+  !> The largest root of b^3 - 3 b - 2 h: the eigenvalue of largest magnitude of a deviator with double dot product 6.
+  pure real(DP) function isolated_eigenvalue(h) result(beta)
+    real(DP), intent(in) :: h                      !< magnitude of half its determinant, 0 to 1 [-]
+    integer :: i
     beta = 2
-    if (abs(h) < 1) then
-      beta = 1.7320508075688772_DP + 0.2679491924311228_DP * abs(h)
-      do i = 1, 3
-        beta = beta - (beta * (beta * beta - 3) - 2 * abs(h)) / (3 * (beta * beta - 1))
-      end do
-    end if
-    v = largest_adjugate_column(m - sign(beta, h) * VOIGT_IDENTITY)
-  end function isolated_eigenvector
+    if (.not. h < 1) return
+    beta = 1.7320508075688772_DP + 0.2679491924311228_DP * h
+    do i = 1, 3
+      beta = beta - (beta * (beta * beta - 3) - 2 * h) / (3 * (beta * beta - 1))
+    end do
+  end function isolated_eigenvalue
 
 
   !> The null vector, of length 1, of a symmetric matrix of rank 2: the largest column of its adjugate.

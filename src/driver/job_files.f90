@@ -7,7 +7,7 @@
 module amontons_job_files
   use amontons_kinds, only: DP, I64
   use amontons_text, only: NEWLINE, to_text, plural
-  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE
+  use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_IO
   use amontons_model, only: model_type, job_options_type, job_path, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type
   use amontons_state, only: state_type, slave_state_type
@@ -211,6 +211,8 @@ contains
     type(output_lengths_type) :: files
     associate (options => analysis%options, model => analysis%model)
       call read_checkpoint(job_path(options, '.restart'), model, analysis%snapshot, files, error)
+      if (.not. (allocated(error) .or. files%has_points .or. is_batch(analysis))) call set_error(error, EXIT_IO, 'The job was ' // &
+        'done when it was stopped, so that its checkpoint lacks stresses. Resume it by the program, which completes its files.')
       if (.not. allocated(error)) call check_partitions(options%n_partitions, files%n_partitions, error)
       if (allocated(error)) return
       analysis%n_partitions = files%n_partitions
@@ -381,7 +383,8 @@ contains
   end function is_checkpoint_due
 
 
-  !> Whether a batch job has done all its steps and its checkpoint will not be needed: it is written once, as the files are closed.
+  !> Whether a batch job has done all its steps and its checkpoint will not be needed: it is written once, as the files are closed,
+  !! for their pages, without values at points.
   !! (A program that calls the library may read the result file before it closes the job.)
   logical function is_finished(analysis)
     type(analysis_type), intent(in) :: analysis
@@ -401,6 +404,7 @@ contains
     if (.not. analysis%options%is_guarded) return
     call system_clock(start)
     files%n_partitions = analysis%n_partitions
+    files%has_points = .not. is_finished(analysis)
     call export_partition_pages(analysis%partition_files, is_old, files%partition_pages, error)
     if (is_first_rank() .and. .not. allocated(error)) then
       call export_result_pages(analysis%results, is_old, files%pages, error)

@@ -683,12 +683,10 @@ contains
     real(DP), allocatable :: of_node(:)            ! (n_nodes) [force]
     integer :: i
     last_digit = ROUNDING_FACTOR * epsilon(1.0_DP) * maxval(max_components(system, u, 1))
-    associate (residual => abs(field))
-      allocate (of_node(size(u, 2)))
-      do i = 1, size(u, 2)
-        of_node(i) = maxval(residual(:, i) - last_digit * abs(diagonal_stiffness(system, i)))
-      end do
-    end associate
+    allocate (of_node(size(u, 2)))
+    do i = 1, size(u, 2)
+      of_node(i) = maxval(abs(field(:, i)) - last_digit * abs(diagonal_stiffness(system, i)))
+    end do
     if (size(system%rotation_length) > 0) of_node = of_node / system%rotation_length
     largest = max(0.0_DP, maxval(of_node))
   end function largest_above_rounding

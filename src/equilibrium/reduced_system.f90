@@ -296,8 +296,9 @@ contains
     type(constraints_type), intent(in) :: constraints
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
-    logical :: was_iterative
+    logical :: was_iterative, has_subdomains
     was_iterative = self%is_iterative
+    has_subdomains = .false.
     self%distributed_kind = requested_kind(self%requested_solver)
     self%is_iterative = (self%requested_solver == SOLVER_ITERATIVE .or. self%distributed_kind /= DISTRIBUTED_NONE) .and. &
       .not. self%is_iteration_abandoned
@@ -310,7 +311,7 @@ contains
       self%is_iterative = .true.
       if (self%distributed_kind /= DISTRIBUTED_BDDC) self%distributed_kind = DISTRIBUTED_TWO_LEVEL
     else if (.not. self%is_iterative) then
-      call find_factor_cost(self, constraints, error)
+      call find_factor_cost(self, constraints, mesh, has_subdomains, error)
       if (allocated(error)) return
       associate (cost => self%cost)
         self%is_iterative = (cost%is_factor_too_large .or. cost%is_factor_too_slow) .and. .not. self%is_iteration_abandoned
@@ -319,9 +320,10 @@ contains
       end associate
       call distribute_by_default(self, constraints%n_free)
     end if
+    if (has_subdomains .and. .not. self%is_iterative) call discard_preconditioner(self%iterative)
     if (.not. self%is_iterative) return
     if (self%distributed_kind == DISTRIBUTED_NONE) then
-      call create_subdomains(self%iterative, constraints, mesh, error)
+      if (.not. has_subdomains) call create_subdomains(self%iterative, constraints, mesh, error)
     else
       call distribute(self, constraints, mesh, error)
     end if
@@ -423,14 +425,16 @@ contains
 
 
   !> Memory and work of the factor, and whether they are too much: by its analysis, or by an estimate where that suffices.
-  subroutine find_factor_cost(self, constraints, error)
+  subroutine find_factor_cost(self, constraints, mesh, has_subdomains, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
+    type(mesh_type), intent(in) :: mesh
+    logical, intent(out) :: has_subdomains         !< the subdomains of the iterative solver are made, too
     type(error_type), allocatable, intent(out) :: error
     logical :: is_planned
     is_planned = constraints%n_free >= merge(self%controls%min_unknowns_newton, self%controls%min_unknowns_planned, &
       self%use == USE_NEWTON)
-    call estimate_factor(self, constraints, error)
+    call estimate_factor(self, constraints, mesh, has_subdomains, error)
     if (allocated(error) .or. self%cost%is_estimated) return
     call analyse_factor(self, constraints, error)
     associate (cost => self%cost)
@@ -451,16 +455,27 @@ contains
 
   !> Whether a factor is so much too large, or takes so much work, that it need not be analysed: then the cost is an estimate. METIS
   !! finds the last separator in a tenth of the time of the whole order; the estimate holds for a compact body and is a lower bound
-  !! for a longer one.
-  subroutine estimate_factor(self, constraints, error)
+  !! for a longer one. A second thread makes the subdomains of the iterative solver meanwhile, which most systems of this size need.
+  subroutine estimate_factor(self, constraints, mesh, has_subdomains, error)
     type(reduced_system_type), intent(inout) :: self
     type(constraints_type), intent(in) :: constraints
+    type(mesh_type), intent(in) :: mesh
+    logical, intent(out) :: has_subdomains
     type(error_type), allocatable, intent(out) :: error
+    type(error_type), allocatable :: subdomain_error
     logical :: is_decided
     integer :: n_separator
+    has_subdomains = .false.
     if (constraints%n_free < self%controls%min_unknowns_estimated .or. self%is_iteration_abandoned .or. &
       allocated(self%node_order)) return
+    has_subdomains = n_ranks() == 1
+    !$omp parallel sections
+    !$omp section
     call separator_size(self%matrix, nodes_of(constraints), constraints%n_unknowns / 3, n_separator, error)
+    !$omp section
+    if (has_subdomains) call create_subdomains(self%iterative, constraints, mesh, subdomain_error)
+    !$omp end parallel sections
+    if (.not. allocated(error) .and. allocated(subdomain_error)) call move_alloc(subdomain_error, error)
     if (.not. allocated(error)) call judge_separator(self, n_separator, is_decided)
   end subroutine estimate_factor
 

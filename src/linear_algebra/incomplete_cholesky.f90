@@ -9,9 +9,9 @@
 !! References: Meijerink and van der Vorst, Math. Comp. 31 (1977) 148; Manteuffel, Math. Comp. 34 (1980) 473 (the shift);
 !! Saad, Iterative Methods for Sparse Linear Systems, 2nd ed., SIAM 2003, sec. 12.6 (domains and their border).
 module amontons_incomplete_cholesky
-  use amontons_kinds, only: DP, SP
+  use amontons_kinds, only: DP, SP, I8
   use amontons_containers, only: list_groups, sort_ascending
-  use amontons_sparse, only: sparse_type
+  use amontons_sparse, only: sparse_type, alike_rows
   implicit none
   private
   public :: incomplete_cholesky_type, factorise_incomplete, apply_incomplete, discard_incomplete
@@ -103,6 +103,12 @@ contains
     call count_entries(self, matrix, n_rows_inside)
     call list_moved_entries(self, matrix, n_rows_inside)
     call list_columns(self, matrix, n_rows_inside)
+    self%pattern%n_alike = alike_rows(self%pattern)
+    do k = 2, self%n_domains + 1           ! no three alike rows are divided
+      i = self%first_row(k)
+      if (i > self%n .or. i == 1) cycle
+      if (self%pattern%n_alike(i - 1) > 1_I8) self%pattern%n_alike(max(1, i - 2):min(i + 1, self%n)) = 1_I8
+    end do
   end subroutine divide_rows
 
 
@@ -373,47 +379,131 @@ contains
   end subroutine solve_domains
 
 
-  !> Forward elimination with some rows of U'.
+  !> Forward elimination with some rows of U', three at a time where they have the same columns.
   pure subroutine eliminate_rows(pattern, value, last, low, high, z, share)
     type(sparse_type), intent(in) :: pattern           !< of U
-    real(SP), intent(in) :: value(:)                   !< U
+    real(SP), intent(in), contiguous :: value(:)       !< U
     integer, intent(in) :: last(:)                     !< of each row: the entry after those that serve here
     integer, intent(in) :: low, high                   !< rows; their columns lie within them
-    real(DP), intent(inout) :: z(:)
-    real(DP), intent(out), optional :: share(:)        !< what the other entries, in the last columns of all, take from z
-    integer :: k, p, before
+    real(DP), intent(inout), contiguous :: z(:)
+    real(DP), intent(out), optional, contiguous :: share(:)   !< what the other entries, in the last columns of all, take from z
+    integer :: k, p, q, r, before
+    real(DP) :: a, b, c
+    before = 0
     if (present(share)) then
       share = 0
       before = pattern%n_columns - size(share)
     end if
-    do k = low, high
-      z(k) = z(k) * real(value(pattern%first(k)), DP)
-      do p = pattern%first(k) + 1, last(k) - 1
-        z(pattern%column(p)) = z(pattern%column(p)) - real(value(p), DP) * z(k)
+    k = low
+    do while (k <= high)
+      p = pattern%first(k)
+      if (is_first_of_three(pattern, k)) then
+        q = pattern%first(k + 1)
+        r = pattern%first(k + 2)
+        a = z(k) * real(value(p), DP)
+        b = (z(k + 1) - real(value(p + 1), DP) * a) * real(value(q), DP)
+        c = (z(k + 2) - real(value(p + 2), DP) * a - real(value(q + 1), DP) * b) * real(value(r), DP)
+        z(k) = a
+        z(k + 1) = b
+        z(k + 2) = c
+        p = p + 2 - r
+        q = q + 1 - r
+        call subtract_three(pattern%column, value, r + 1, last(k + 2) - 1, p, q, a, b, c, 0, z)
+        if (present(share)) call subtract_three(pattern%column, value, last(k + 2), pattern%first(k + 3) - 1, p, q, -a, -b, -c, &
+          before, share)
+        k = k + 3
+        cycle
+      end if
+      a = z(k) * real(value(p), DP)
+      z(k) = a
+      do p = p + 1, last(k) - 1
+        z(pattern%column(p)) = z(pattern%column(p)) - real(value(p), DP) * a
       end do
-      if (.not. present(share)) cycle
-      do p = last(k), pattern%first(k + 1) - 1
-        share(pattern%column(p) - before) = share(pattern%column(p) - before) + real(value(p), DP) * z(k)
-      end do
+      if (present(share)) then
+        do p = last(k), pattern%first(k + 1) - 1
+          share(pattern%column(p) - before) = share(pattern%column(p) - before) + real(value(p), DP) * a
+        end do
+      end if
+      k = k + 1
     end do
   end subroutine eliminate_rows
 
 
-  !> Backward substitution with some rows of U; those after them are done.
+  !> Subtracts from z the multiples a, b, c of the entries of three rows with the same columns.
+  pure subroutine subtract_three(column, value, low, high, p, q, a, b, c, before, z)
+    integer, intent(in), contiguous :: column(:)
+    real(SP), intent(in), contiguous :: value(:)
+    integer, intent(in) :: low, high                   !< entries of the third row
+    integer, intent(in) :: p, q                        !< from them to those of the first and the second row
+    real(DP), intent(in) :: a, b, c
+    integer, intent(in) :: before                      !< columns before the first one of z
+    real(DP), intent(inout), contiguous :: z(:)
+    integer :: r
+    do r = low, high
+      z(column(r) - before) = z(column(r) - before) - (real(value(p + r), DP) * a + real(value(q + r), DP) * b + &
+        real(value(r), DP) * c)
+    end do
+  end subroutine subtract_three
+
+
+  !> Backward substitution with some rows of U, likewise; those after them are done. The entries are read from the last to the first
+  !! one: the processor fetches them ahead in one direction alone.
   pure subroutine substitute_rows(pattern, value, low, high, z)
     type(sparse_type), intent(in) :: pattern           !< of U
-    real(SP), intent(in) :: value(:)                   !< U
+    real(SP), intent(in), contiguous :: value(:)       !< U
     integer, intent(in) :: low, high                   !< rows
-    real(DP), intent(inout) :: z(:)
-    real(DP) :: sum
-    integer :: k, p
-    do k = high, low, -1
-      sum = z(k)
-      do p = pattern%first(k) + 1, pattern%first(k + 1) - 1
-        sum = sum - real(value(p), DP) * z(pattern%column(p))
-      end do
-      z(k) = sum * real(value(pattern%first(k)), DP)
+    real(DP), intent(inout), contiguous :: z(:)
+    real(DP) :: a, b, c, x
+    integer :: k, p, q, r, j
+    k = high
+    do while (k >= low)
+      if (is_last_of_three(pattern, k, low)) then
+        p = pattern%first(k - 2)
+        q = pattern%first(k - 1)
+        r = pattern%first(k)
+        a = z(k - 2)
+        b = z(k - 1)
+        c = z(k)
+        do j = pattern%first(k + 1) - 1 - r, 1, -1
+          x = z(pattern%column(r + j))
+          a = a - real(value(p + 2 + j), DP) * x
+          b = b - real(value(q + 1 + j), DP) * x
+          c = c - real(value(r + j), DP) * x
+        end do
+        c = c * real(value(r), DP)
+        b = (b - real(value(q + 1), DP) * c) * real(value(q), DP)
+        z(k - 2) = (a - real(value(p + 1), DP) * b - real(value(p + 2), DP) * c) * real(value(p), DP)
+        z(k - 1) = b
+        z(k) = c
+        k = k - 3
+      else
+        a = z(k)
+        do p = pattern%first(k + 1) - 1, pattern%first(k) + 1, -1
+          a = a - real(value(p), DP) * z(pattern%column(p))
+        end do
+        z(k) = a * real(value(pattern%first(k)), DP)
+        k = k - 1
+      end if
     end do
   end subroutine substitute_rows
+
+
+  !> Whether a row is the first of three with the same columns behind their diagonal.
+  pure logical function is_first_of_three(pattern, k) result(is_first)
+    type(sparse_type), intent(in) :: pattern
+    integer, intent(in) :: k                           !< row
+    is_first = .false.
+    if (allocated(pattern%n_alike)) is_first = pattern%n_alike(k) == 3_I8
+  end function is_first_of_three
+
+
+  !> Whether it is the last one.
+  pure logical function is_last_of_three(pattern, k, low) result(is_last)
+    type(sparse_type), intent(in) :: pattern
+    integer, intent(in) :: k                           !< row
+    integer, intent(in) :: low                         !< first of all rows
+    is_last = .false.
+    if (k - 2 >= low) is_last = is_first_of_three(pattern, k - 2)
+  end function is_last_of_three
 
 end module amontons_incomplete_cholesky

@@ -12,7 +12,7 @@ module amontons_sparse
   implicit none
   private
   public :: sparse_type, triplets_type, entry_position, set_too_large
-  public :: append_triplets, reserve_triplets, sparse_from_triplets
+  public :: sparse_from_triplets
   public :: sparse_transpose, full_from_upper, upper_triangle, rows_of, sparse_product, sparse_sum
   public :: multiply, multiply_transpose, multiply_symmetric
   public :: alike_rows, is_same_pattern
@@ -59,39 +59,6 @@ contains
     matrix = sparse_transpose(by_columns)
     call sum_duplicates(matrix)
   end subroutine sparse_from_triplets
-
-
-  !> Appends the triplets of another list, which is then empty.
-  pure subroutine append_triplets(triplets, other)
-    type(triplets_type), intent(inout) :: triplets, other
-    integer :: n
-    n = triplets%n + other%n
-    if (n > size(triplets%row)) call reserve_triplets(triplets, n)
-    triplets%row(triplets%n + 1:n) = other%row(:other%n)
-    triplets%column(triplets%n + 1:n) = other%column(:other%n)
-    triplets%value(triplets%n + 1:n) = other%value(:other%n)
-    triplets%n = n
-    deallocate (other%row, other%column, other%value)
-    other%n = 0
-  end subroutine append_triplets
-
-
-  !> Makes the capacity of a list larger.
-  pure subroutine reserve_triplets(triplets, capacity)
-    type(triplets_type), intent(inout) :: triplets
-    integer, intent(in) :: capacity                      !< at least the number of triplets
-    integer, allocatable :: row(:), column(:)
-    real(DP), allocatable :: value(:)
-    allocate (row(capacity), column(capacity), value(capacity))
-    associate (n => triplets%n)
-      row(:n) = triplets%row(:n)
-      column(:n) = triplets%column(:n)
-      value(:n) = triplets%value(:n)
-    end associate
-    call move_alloc(row, triplets%row)
-    call move_alloc(column, triplets%column)
-    call move_alloc(value, triplets%value)
-  end subroutine reserve_triplets
 
 
   !> Sorts triplets into rows, stable.
@@ -405,24 +372,24 @@ contains
     n_parts = 1
 !$  if (size(matrix%column) > MIN_THREADED_ENTRIES) n_parts = omp_get_max_threads()
     if (n_parts == 1) then
-      call multiply_rows(matrix, 1, matrix%n_rows, x, y)
+      call multiply_rows(matrix, 1, matrix%n_rows, x, y, 1)
       return
     end if
     start = balance_row_blocks(matrix, n_parts)
-    allocate (part(matrix%n_rows, 2:n_parts))
+    allocate (part(start(2):matrix%n_rows, 2:n_parts))   ! the triangle is upper: rows before start(t) are zero
     !$omp parallel do schedule(static, 1) num_threads(n_parts)
     do t = 1, n_parts
       if (t == 1) then
-        call multiply_rows(matrix, start(t), start(t + 1) - 1, x, y)
+        call multiply_rows(matrix, start(t), start(t + 1) - 1, x, y, 1)
       else
-        call multiply_rows(matrix, start(t), start(t + 1) - 1, x, part(:, t))
+        call multiply_rows(matrix, start(t), start(t + 1) - 1, x, part(:, t), start(2))
       end if
     end do
     !$omp end parallel do
     !$omp parallel do schedule(static) num_threads(n_parts) private(t)
     do i = start(2), matrix%n_rows
       do t = 2, n_parts
-        if (i >= start(t)) y(i) = y(i) + part(i, t)      ! the triangle is upper: rows before start(t) are zero
+        if (i >= start(t)) y(i) = y(i) + part(i, t)
       end do
     end do
     !$omp end parallel do
@@ -460,16 +427,17 @@ contains
 
 
   !> Contribution of a range of rows of an upper triangle to the product. Sets y(low:), leaves the rest unchanged.
-  pure subroutine multiply_rows(matrix, low, high, x, y)
+  pure subroutine multiply_rows(matrix, low, high, x, y, first)
     type(sparse_type), intent(in) :: matrix    !< upper triangle
     integer, intent(in) :: low, high           !< rows
     real(DP), intent(in) :: x(:)
-    real(DP), intent(inout) :: y(:)            !< only y(low:) is set
+    integer, intent(in) :: first               !< least row of y
+    real(DP), intent(inout) :: y(first:)       !< only y(low:) is set
     real(DP) :: sum
     integer :: i, p
     y(low:) = 0
     if (allocated(matrix%n_alike)) then
-      call multiply_alike_rows(matrix, low, high, x, y)
+      call multiply_alike_rows(matrix, low, high, x, y, first)
       return
     end if
     do i = low, high
@@ -485,11 +453,12 @@ contains
 
 
   !> The same with three rows at a time where they have the same columns: a third of the indices and of the additions to y.
-  pure subroutine multiply_alike_rows(matrix, low, high, x, y)
+  pure subroutine multiply_alike_rows(matrix, low, high, x, y, first)
     type(sparse_type), intent(in) :: matrix    !< upper triangle, with n_alike
     integer, intent(in) :: low, high           !< rows; no three alike rows are divided
     real(DP), intent(in) :: x(:)
-    real(DP), intent(inout) :: y(:)
+    integer, intent(in) :: first               !< least row of y
+    real(DP), intent(inout) :: y(first:)
     real(DP) :: own(3), a, b, c
     integer :: i, j, k, p, q, r
     i = low

@@ -22,8 +22,7 @@ module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP, I64
   use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, triplets_type, sparse_from_triplets, append_triplets, reserve_triplets, &
-    is_same_pattern, multiply, multiply_transpose, multiply_symmetric
+  use amontons_sparse, only: sparse_type, is_same_pattern, multiply, multiply_transpose, multiply_symmetric
   use amontons_midside_interpolation, only: build_midside_interpolation, project_to_corners
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
   use amontons_point_partition, only: partition_points
@@ -55,13 +54,19 @@ module amontons_two_level_preconditioner
     integer, allocatable :: domain(:)                  !< (n) of each unknown; empty: one domain
     integer :: n_parts = 0
     integer, allocatable :: part(:)                    !< (n) of each unknown
-    integer, allocatable :: part_first(:), part_unknown(:)   !< unknowns of each part, if there are several domains
     real(SP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
     type(sparse_type) :: interpolation                 !< P, in place of the motions as Z; not allocated: the motions serve
     logical :: has_coarse_space = .false.              !< Z'AZ is positive definite
     type(sparse_type) :: coarse_pattern                !< of Z'AZ, as analysed
     type(cholesky_type), allocatable :: coarse_factor  !< of Z'AZ, in single precision
   end type two_level_preconditioner_type
+
+  !> Blocks of the upper triangle of Z'AZ, of 6 x 6, in the order in which they were made; those of one place are added.
+  type :: block_list_type
+    integer :: n = 0
+    integer, allocatable :: row(:), column(:)          !< (at least n) parts, row <= column
+    real(DP), allocatable :: value(:, :, :)            !< (6, 6, at least n)
+  end type block_list_type
 
   abstract interface
     !> Completes the coarse matrix of a part of A to that of A.
@@ -266,7 +271,6 @@ contains
     deallocate (self%domain)
     allocate (self%domain(n))
     call partition_points(self%place, (n + n_domains - 1) / n_domains, self%domain, n_made)
-    call list_groups(self%part, self%n_parts, self%part_first, self%part_unknown)
   end subroutine choose_domains
 
 
@@ -289,7 +293,6 @@ contains
     type(two_level_preconditioner_type), intent(inout) :: self
     if (allocated(self%place)) deallocate (self%place)
     if (allocated(self%domain)) deallocate (self%domain)
-    if (allocated(self%part_first)) deallocate (self%part_first, self%part_unknown)
   end subroutine discard_domains
 
 
@@ -314,8 +317,8 @@ contains
       deallocate (self%coarse_factor)
     end if
     if (self%n_parts == 0) return
-    call assemble_coarse_matrix(self, matrix, coarse, error)
-    if (present(complete) .and. .not. allocated(error)) call complete(coarse, error)
+    call assemble_coarse_matrix(self, matrix, coarse)
+    if (present(complete)) call complete(coarse, error)
     if (allocated(error)) return
     do i = 1, coarse%n_rows
       if (.not. abs(coarse%value(coarse%first(i))) > 0.0_DP) coarse%value(coarse%first(i)) = 1
@@ -349,13 +352,12 @@ contains
 
   !> Z'AZ, upper triangle. W = Z'BZ, where B is the upper triangle of A with half of its diagonal, gives Z'AZ = W + W'. W is
   !! assembled by rows of blocks of 6 x 6, a block for each pair of parts that A couples. The threads share the rows of blocks; the
-  !! entries are in the order of the rows with any number of threads.
-  subroutine assemble_coarse_matrix(self, matrix, coarse, error)
+  !! blocks are in the order of the rows with any number of threads.
+  subroutine assemble_coarse_matrix(self, matrix, coarse)
     type(two_level_preconditioner_type), intent(in) :: self
     type(sparse_type), intent(in) :: matrix
     type(sparse_type), intent(out) :: coarse
-    type(error_type), allocatable, intent(out) :: error
-    type(triplets_type), allocatable :: share(:)
+    type(block_list_type), allocatable :: share(:)
     integer, allocatable :: first(:), members(:)
     integer :: n_shares, t
     call list_groups(self%part, self%n_parts, first, members)
@@ -367,13 +369,7 @@ contains
       call assemble_block_rows(self, matrix, first, members, share_end(t - 1) + 1, share_end(t), share(t))
     end do
     !$omp end parallel do
-    do t = 2, n_shares
-      call append_triplets(share(1), share(t))
-    end do
-    associate (all => share(1))
-      call sparse_from_triplets(6 * self%n_parts, 6 * self%n_parts, all%row(:all%n), all%column(:all%n), all%value(:all%n), &
-        coarse, error)
-    end associate
+    call join_blocks(self%n_parts, share, coarse)
 
   contains
 
@@ -386,17 +382,71 @@ contains
   end subroutine assemble_coarse_matrix
 
 
+  !> The upper triangle of a matrix from its blocks.
+  subroutine join_blocks(n_parts, share, matrix)
+    integer, intent(in) :: n_parts
+    type(block_list_type), intent(in) :: share(:)
+    type(sparse_type), intent(out) :: matrix
+    integer, allocatable :: row(:), column(:), list(:), place(:), by_column(:), by_row(:), first(:)
+    integer :: t, k, a, i, n, p, l
+    row = [(share(t)%row(:share(t)%n), t=1, size(share))]
+    column = [(share(t)%column(:share(t)%n), t=1, size(share))]
+    list = [([(t, k=1, share(t)%n)], t=1, size(share))]
+    place = [([(k, k=1, share(t)%n)], t=1, size(share))]
+    ! Two stable sorts, by column and then by row, place the blocks of one place next to each other in their order.
+    call list_groups(column, n_parts, first, by_column)
+    call list_groups(row(by_column), n_parts, first, by_row)
+    by_row = by_column(by_row)
+    n = 0
+    do k = 1, size(row)
+      if (.not. is_repeated(k)) n = n + merge(21, 36, row(by_row(k)) == column(by_row(k)))
+    end do
+    matrix%n_rows = 6 * n_parts
+    matrix%n_columns = 6 * n_parts
+    allocate (matrix%first(6 * n_parts + 1), matrix%column(n), matrix%value(n))
+    p = 1
+    do a = 1, n_parts
+      do l = 1, 6
+        matrix%first(6 * (a - 1) + l) = p
+        do k = first(a), first(a + 1) - 1
+          n = merge(l, 1, column(by_row(k)) == a)              ! first entry of the row in the block
+          associate (values => share(list(by_row(k)))%value(l, n:6, place(by_row(k))))
+            if (is_repeated(k)) then
+              matrix%value(p - size(values):p - 1) = matrix%value(p - size(values):p - 1) + values
+            else
+              matrix%value(p:p + 6 - n) = values
+              matrix%column(p:p + 6 - n) = 6 * (column(by_row(k)) - 1) + [(i, i=n, 6)]
+              p = p + 7 - n
+            end if
+          end associate
+        end do
+      end do
+    end do
+    matrix%first(6 * n_parts + 1) = p
+
+  contains
+
+    !> Whether a block is at the place of the one before.
+    pure logical function is_repeated(k)
+      integer, intent(in) :: k                         !< place in by_row
+      is_repeated = .false.
+      if (k > 1) is_repeated = row(by_row(k)) == row(by_row(k - 1)) .and. column(by_row(k)) == column(by_row(k - 1))
+    end function is_repeated
+
+  end subroutine join_blocks
+
+
   !> The rows of blocks of some parts.
-  subroutine assemble_block_rows(self, matrix, first, members, low, high, triplets)
+  subroutine assemble_block_rows(self, matrix, first, members, low, high, blocks)
     type(two_level_preconditioner_type), intent(in) :: self
     type(sparse_type), intent(in) :: matrix
     integer, intent(in) :: first(:), members(:)        !< unknowns of each part
     integer, intent(in) :: low, high                   !< parts
-    type(triplets_type), intent(out) :: triplets
+    type(block_list_type), intent(out) :: blocks
     integer, allocatable :: block_of(:), touched(:)
     real(DP), allocatable :: block_row(:, :, :)
     integer :: a, k, n_touched
-    allocate (triplets%row(0), triplets%column(0), triplets%value(0), block_row(6, 6, 64), touched(self%n_parts))
+    allocate (blocks%row(0), blocks%column(0), blocks%value(6, 6, 0), block_row(6, 6, 64), touched(self%n_parts))
     allocate (block_of(self%n_parts), source=0)
     do a = low, high
       n_touched = 0
@@ -404,7 +454,7 @@ contains
         call add_row_to_blocks(self, matrix, members(k), block_of, touched, n_touched, block_row)
       end do
       do k = 1, n_touched
-        call append_block(a, touched(k), block_row(:, :, k), triplets)
+        call append_block(a, touched(k), block_row(:, :, k), blocks)
       end do
       block_of(touched(:n_touched)) = 0
     end do
@@ -456,24 +506,33 @@ contains
   end subroutine add_row_to_blocks
 
 
-  !> Appends block (a, b) of W as triplets of the upper triangle of W + W'.
-  pure subroutine append_block(a, b, block, triplets)
+  !> Appends block (a, b) of W as one of the upper triangle of W + W'.
+  pure subroutine append_block(a, b, block, blocks)
     integer, intent(in) :: a, b                        !< parts
     real(DP), intent(in) :: block(6, 6)
-    type(triplets_type), intent(inout) :: triplets
-    integer :: l, m
-    if (triplets%n + 36 > size(triplets%row)) call reserve_triplets(triplets, 2 * triplets%n + 360)
-    associate (n => triplets%n)
-      do m = 1, 6
-        do l = 1, 6
-          if (a == b .and. l > m) cycle
-          n = n + 1
-          triplets%row(n) = 6 * (min(a, b) - 1) + merge(l, m, a <= b)
-          triplets%column(n) = 6 * (max(a, b) - 1) + merge(m, l, a <= b)
-          triplets%value(n) = block(l, m)
-          if (a == b) triplets%value(n) = triplets%value(n) + block(m, l)
-        end do
-      end do
+    type(block_list_type), intent(inout) :: blocks
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:, :, :)
+    associate (n => blocks%n)
+      if (n == size(blocks%row)) then
+        allocate (row(2 * n + 64), column(2 * n + 64), value(6, 6, 2 * n + 64))
+        row(:n) = blocks%row
+        column(:n) = blocks%column
+        value(:, :, :n) = blocks%value
+        call move_alloc(row, blocks%row)
+        call move_alloc(column, blocks%column)
+        call move_alloc(value, blocks%value)
+      end if
+      n = n + 1
+      blocks%row(n) = min(a, b)
+      blocks%column(n) = max(a, b)
+      if (a == b) then
+        blocks%value(:, :, n) = block + transpose(block)
+      else if (a < b) then
+        blocks%value(:, :, n) = block
+      else
+        blocks%value(:, :, n) = transpose(block)
+      end if
     end associate
   end subroutine append_block
 
@@ -539,36 +598,49 @@ contains
     type(two_level_preconditioner_type), intent(in) :: self
     real(DP), intent(in) :: r(:)                       !< (n)
     real(DP), allocatable, intent(out) :: c(:)         !< a number for each column of Z
-    integer :: i, p
+    real(DP), allocatable :: share(:, :)               ! of each thread
+    integer :: t
     if (allocated(self%interpolation%first)) then
       allocate (c(self%interpolation%n_columns))
       call multiply_transpose(self%interpolation, r, c)
       return
     end if
     allocate (c(6 * self%n_parts), source=0.0_DP)
-    if (.not. allocated(self%part_first)) then
-      do i = 1, size(self%part)
-        call add_motion(i)
-      end do
+    if (self%incomplete%n_domains == 1) then
+      call add_range(1, size(self%part), c)
       return
     end if
-    !$omp parallel do schedule(static) private(i) num_threads(self%incomplete%n_domains)
-    do p = 1, self%n_parts
-      do i = self%part_first(p), self%part_first(p + 1) - 1
-        call add_motion(self%part_unknown(i))
-      end do
+    allocate (share(6 * self%n_parts, self%incomplete%n_domains))
+    !$omp parallel do schedule(static, 1) num_threads(self%incomplete%n_domains)
+    do t = 1, self%incomplete%n_domains
+      share(:, t) = 0
+      call add_range(range_end(t - 1) + 1, range_end(t), share(:, t))
     end do
     !$omp end parallel do
+    do t = 1, self%incomplete%n_domains
+      c = c + share(:, t)
+    end do
 
   contains
 
-    !> An unknown's part of the sum.
-    subroutine add_motion(k)
-      integer, intent(in) :: k
-      associate (a => 6 * (self%part(k) - 1))
-        c(a + 1:a + 6) = c(a + 1:a + 6) + real(self%motion(:, k), DP) * r(k)
-      end associate
-    end subroutine add_motion
+    !> The last unknown of the range of a thread.
+    pure integer function range_end(t)
+      integer, intent(in) :: t
+      range_end = int(int(t, I64) * size(self%part, kind=I64) / int(self%incomplete%n_domains, I64))
+    end function range_end
+
+
+    !> The sum over some unknowns.
+    pure subroutine add_range(low, high, c)
+      integer, intent(in) :: low, high
+      real(DP), intent(inout) :: c(:)
+      integer :: i
+      do i = low, high
+        associate (a => 6 * (self%part(i) - 1))
+          c(a + 1:a + 6) = c(a + 1:a + 6) + real(self%motion(:, i), DP) * r(i)
+        end associate
+      end do
+    end subroutine add_range
 
   end subroutine restrict_residual
 

@@ -12,7 +12,8 @@ module amontons_model_check_unpaired
   use amontons_text, only: to_text, plural, verb, NEWLINE
   use amontons_containers, only: integer_list_type, find_root, unite_trees, ascending_order, sort_integers
   use amontons_element_kinds, only: element_kind, element_kind_type
-  use amontons_model, only: model_type, n_nonlinear_mpcs
+  use amontons_mesh, only: find_connected_nodes
+  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements
   use amontons_surfaces, only: surface_type
   use amontons_exterior_surface, only: exterior_type
   use amontons_facet_search, only: facet_search_type, find_near_facets
@@ -48,6 +49,8 @@ contains
     integer, allocatable :: of_node(:)
     integer :: i, n
     if (allocated(model%general_contact)) return
+    call find_connected_nodes(model%mesh, of_node, n, absent_elements(model, 1))
+    if (n < 2) return
     call build_model_exterior(model, 1, exterior)
     if (exterior%n_bodies < 2) return
     call collect_stiffness(model, exterior, data)

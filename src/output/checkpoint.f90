@@ -28,7 +28,7 @@ module amontons_checkpoint
     unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
-  integer(I64), parameter :: FORMAT_VERSION = 19
+  integer(I64), parameter :: FORMAT_VERSION = 20
   integer(I64), parameter :: N_HEADER_WORDS = 4                 !< words before those of exchange_all
   integer(I64), parameter :: N_BUFFER_WORDS = 131072            !< words of a piece of the file
 
@@ -53,6 +53,7 @@ module amontons_checkpoint
 
   !> Lengths and positions of the result files at a snapshot.
   type :: output_lengths_type
+    logical :: has_points = .true.                 !< .false.: the job is done, and the checkpoint lacks the values at points
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat [bytes]
     integer(I64) :: restart_file(3) = 0                 !< of .res: last state, bytes, step of it
     integer(I64) :: frd(3) = 0                     !< bytes, frames, blocks of .frd
@@ -209,8 +210,12 @@ contains
   subroutine empty_buffer(packer)
     type(packer_type), intent(inout) :: packer
     associate (words => packer%words(:packer%n - packer%n_written))
+      !$omp parallel sections
+      !$omp section
       packer%checksum = continue_checksum(packer%checksum, words)
+      !$omp section
       call append_words(packer%file, words)
+      !$omp end parallel sections
     end associate
     packer%n_written = packer%n
   end subroutine empty_buffer
@@ -334,6 +339,7 @@ contains
     integer(I64) :: deck
     deck = model%deck_checksum
     call packer%exchange(deck)
+    call packer%exchange(files%has_points)
     call exchange_stepping(packer, snapshot%stepping)
     call packer%exchange(snapshot%is_step_start)
     call packer%exchange(snapshot%force_scale)
@@ -346,9 +352,9 @@ contains
     call exchange_table(packer, 8, snapshot%driven)
     call packer%exchange(snapshot%friction)
     if (present(committed)) then
-      call exchange_fields(packer, committed)
+      call exchange_fields(packer, committed, files%has_points)
     else
-      call exchange_fields(packer, snapshot%fields)
+      call exchange_fields(packer, snapshot%fields, files%has_points)
     end if
     call exchange_files(packer, files)
   end subroutine exchange_all
@@ -480,9 +486,10 @@ contains
 
 
   !> The committed fields; constant ones come from the model.
-  subroutine exchange_fields(packer, fields)
+  subroutine exchange_fields(packer, fields, has_points)
     type(packer_type), intent(inout) :: packer
     type(fields_type), intent(inout) :: fields
+    logical, intent(in) :: has_points              !< the values at points, too
     logical :: has_birth
     call packer%exchange(fields%step)
     call packer%exchange(fields%increment)
@@ -505,13 +512,7 @@ contains
     call packer%exchange(fields%arc_scale)
     call packer%exchange(fields%u)
     call packer%exchange(fields%v)
-    call packer%exchange(fields%stress)
-    call packer%exchange(fields%strain)
-    call packer%exchange(fields%energy)
-    call packer%exchange(fields%dissipated)
-    call packer%exchange(fields%volume)
-    call packer%exchange(fields%history)
-    call packer%exchange(fields%modes)
+    if (has_points) call exchange_points(packer, fields)
     call packer%exchange(fields%temperature)
     has_birth = allocated(fields%birth_displacement)
     call packer%exchange(has_birth)
@@ -523,6 +524,20 @@ contains
     call packer%exchange(fields%reaction_force)
     call exchange_slaves(packer, fields%slaves)
   end subroutine exchange_fields
+
+
+  !> The values at integration points.
+  subroutine exchange_points(packer, fields)
+    type(packer_type), intent(inout) :: packer
+    type(fields_type), intent(inout) :: fields
+    call packer%exchange(fields%stress)
+    call packer%exchange(fields%strain)
+    call packer%exchange(fields%energy)
+    call packer%exchange(fields%dissipated)
+    call packer%exchange(fields%volume)
+    call packer%exchange(fields%history)
+    call packer%exchange(fields%modes)
+  end subroutine exchange_points
 
 
   !> The slave states as raw memory, so that every component is included.

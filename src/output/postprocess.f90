@@ -30,7 +30,8 @@ module amontons_postprocess
   use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_structural_data, only: SECTION_CIRC
-  use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, symmetric_eigen, von_mises
+  use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, extreme_eigenvalues, &
+    von_mises
   use amontons_surfaces, only: surface_type, BEHAVIOR_LINEAR, BEHAVIOR_USER
   use amontons_dual_shape_functions, only: is_transformed, BASIS_ALPHA
   use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, USER_FIELD
@@ -241,14 +242,14 @@ contains
   !> Relative spread over the points of an element of the principal stress with the largest magnitude [-].
   pure real(DP) function stress_spread(stress) result(spread)
     real(DP), intent(in) :: stress(:, :)           !< (6, n_points)
-    real(DP) :: values(3), vectors(3, 3), low(2), high(2)
+    real(DP) :: ends(2), low(2), high(2)
     integer :: p, k
     low = huge(1.0_DP)
     high = -huge(1.0_DP)
     do p = 1, size(stress, 2)
-      call symmetric_eigen(stress(:, p), values, vectors)
-      low = min(low, [minval(values), maxval(values)])
-      high = max(high, [minval(values), maxval(values)])
+      ends = extreme_eigenvalues(stress(:, p))
+      low = min(low, ends)
+      high = max(high, ends)
     end do
     k = merge(2, 1, high(2) >= -low(1))
     spread = 0

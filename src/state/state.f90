@@ -130,7 +130,9 @@ contains
     associate (new => state%new)
       allocate (new%u(3, n), new%v(3, n), new%internal_force(3, n), new%applied_force(3, n), new%contact_force(3, n), &
         new%reaction_force(3, n), source=0.0_DP)
-      allocate (new%stress(6, m), new%strain(6, m), source=0.0_DP)
+      allocate (new%stress(6, m), new%strain(6, m))
+      call clear_points(new%stress)
+      call clear_points(new%strain)
       allocate (new%energy(m), new%volume(m), source=0.0_DP)
       allocate (new%history(0, m), new%modes(9, 0), new%temperature(n), new%user_memory(0), new%dissipated(0), source=0.0_DP)
       allocate (new%slaves, source=slaves)
@@ -421,11 +423,23 @@ contains
   subroutine take_points(state)
     type(state_type), intent(inout) :: state
     call move_points(state%old, state%new)
-    state%new%stress = 0.0_DP
-    state%new%strain = 0.0_DP
+    call clear_points(state%new%stress)
+    call clear_points(state%new%strain)
     state%new%energy = 0.0_DP
     state%new%volume = 0.0_DP
   end subroutine take_points
+
+
+  !> Sets values at points to zero. The threads that do so share the first use of the memory, which costs more than the zeros.
+  subroutine clear_points(values)
+    real(DP), intent(out) :: values(:, :)
+    integer :: i
+    !$omp parallel do schedule(static)
+    do i = 1, size(values, 2)
+      values(:, i) = 0.0_DP
+    end do
+    !$omp end parallel do
+  end subroutine clear_points
 
 
   !> Copies fields; without values at points the copy has none.

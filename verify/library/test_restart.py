@@ -9,6 +9,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,7 @@ import pytest
 
 from verify.conftest import Run
 from verify.library.common import block, data_sets, same_results  # noqa: F401
+from verify.library.test_faults import needs_preload, preloading
 
 IO, NOT_CONVERGED = 7, 5
 
@@ -289,11 +291,72 @@ def test_no_checkpoint(run: Run, block: Path, whole: Path, tmp_path: Path) -> No
     assert_same(whole, tmp_path)
 
 
+KILLING_RENAME = """
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+static int is_checkpoint(const char *path)
+{
+  size_t n = strlen(path);
+  return n > 8 && strcmp(path + n - 8, ".restart") == 0;
+}
+int rename(const char *from, const char *to)
+{
+  static int n;
+  int status = ((int (*)(const char *, const char *))dlsym(RTLD_NEXT, "rename"))(from, to);
+  if (is_checkpoint(to) && ++n == atoi(getenv("KILLED_AT"))) raise(SIGKILL);
+  return status;
+}
+static int end(const char *name, const char *path)
+{
+  if (is_checkpoint(path) && strcmp(getenv("KILLED_AT"), "end") == 0) raise(SIGKILL);
+  return ((int (*)(const char *))dlsym(RTLD_NEXT, name))(path);
+}
+int unlink(const char *path) { return end("unlink", path); }
+int remove(const char *path) { return end("remove", path); }
+"""
+
+
+@needs_preload
+def test_killed_at_a_checkpoint(program: Path, run: Run, block: Path, whole: Path, tmp_path: Path) -> None:  # noqa: F811
+    """Killed as soon as a checkpoint stands, before the pages of the result file, and before the last one, of the job that is done,
+    is removed."""
+    environment = preloading(tmp_path, KILLING_RENAME) | {"OMP_NUM_THREADS": "1"}
+    n_killed = 0
+    for moment in ["end", *map(str, range(1, 40))]:
+        folder = tmp_path / moment
+        folder.mkdir()
+        done = subprocess.run([str(program), "--outdir", str(folder), str(block)], capture_output=True, env=environment | {"KILLED_AT": moment})
+        if done.returncode == 0:
+            assert moment != "end"
+            break
+        assert done.returncode == -signal.SIGKILL
+        n_killed += 1
+        again = run(["--resume", "--outdir", folder, block])
+        assert again.returncode == 0, again.stdout
+        assert_same(whole, folder)
+    assert n_killed >= 3
+
+
+@needs_preload
+def test_a_done_job_resumed_by_the_library(root: Path, program: Path, block: Path, tmp_path: Path) -> None:  # noqa: F811
+    """The checkpoint of a job that was done lacks stresses: the library says so, and the program completes the files."""
+    environment = preloading(tmp_path, KILLING_RENAME) | {"OMP_NUM_THREADS": "1"}
+    subprocess.run([str(program), "--outdir", str(tmp_path), str(block)], capture_output=True, env=environment | {"KILLED_AT": "end"})
+    assert (tmp_path / "block.restart").exists()
+    call = f"import amontons; amontons.Job({str(block)!r}, outdir={str(tmp_path)!r}, resume=True, checkpoint=True)"
+    done = subprocess.run([sys.executable, "-c", call], capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(root / "python")})
+    assert "Resume it by the program" in done.stderr, done.stderr
+
+
 def test_every_committed_field_is_restored(root: Path) -> None:
     """Each component of fields_type that is not fixed stands in exchange_fields: a forgotten one would be lost by a restart."""
     state, restart = ((root / "src" / name).read_text() for name in ("state/state.f90", "output/checkpoint.f90"))
     fields = re.search(r"type :: fields_type\n(.*?)end type fields_type", state, re.S)
-    routine = re.search(r"subroutine exchange_fields(.*?)end subroutine exchange_fields", restart, re.S)
+    routine = re.search(r"subroutine exchange_fields(.*)end subroutine exchange_points", restart, re.S)
     assert fields and routine
     lines = [line for line in fields[1].splitlines() if "fixed" not in line]
     names = re.findall(r"^    (?:real|type|integer|logical)[^!]*?:: (\w+)", "\n".join(lines), re.M)

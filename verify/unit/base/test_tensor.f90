@@ -4,7 +4,7 @@ program test_tensor
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, VOIGT_INDEX, cross_product, &
     determinant, determinant_minus_one, invert, skew_matrix, pack_voigt, unpack_voigt, double_dot, von_mises, &
-    symmetric_eigen, solve_normal_equations
+    symmetric_eigen, extreme_eigenvalues, solve_normal_equations
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -114,6 +114,7 @@ contains
     A = 0.25_DP * VOIGT_IDENTITY
     call symmetric_eigen(A, values, vectors)
     call suite%near('multiple of 1: values', maxval(abs(values - 0.25_DP)), 0.0_DP, 0.0_DP)
+    call suite%near('multiple of 1: least and largest', maxval(abs(extreme_eigenvalues(A) - 0.25_DP)), 0.0_DP, 0.0_DP)
     call suite%near('multiple of 1: vectors', maxval(abs(vectors - IDENTITY)), 0.0_DP, 0.0_DP)
     call symmetric_eigen([0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP], values, vectors)
     call suite%near('zero: values', maxval(abs(values)), 0.0_DP, 0.0_DP)
@@ -132,6 +133,8 @@ contains
     again = turn(values, V)
     call suite%near('orthonormal: ' // name, maxval(abs(matmul(transpose(V), V) - IDENTITY)), 0.0_DP, 2e-15_DP)
     call suite%near('decomposition: ' // name, maxval(abs(again - A)) / maxval(abs(A)), 0.0_DP, 3e-15_DP)
+    call suite%near('least and largest value: ' // name, maxval(abs(extreme_eigenvalues(A) - [minval(values), maxval(values)])) &
+      / maxval(abs(A)), 0.0_DP, 1e-7_DP)
   end subroutine check_decomposition
 
 
