@@ -273,7 +273,7 @@ contains
     logical, intent(in) :: is_nlgeom
     type(constraint_row_type), allocatable, intent(out) :: rows(:)
     real(DP), allocatable :: X(:, :), shift(:, :), dg(:, :)
-    real(DP) :: g
+    real(DP) :: g, pilot(3)
     integer :: k, i
     X = coordinates(:, mpc%node)
     shift = u(:, mpc%node)
@@ -285,9 +285,16 @@ contains
       rows(k)%unknown = [(unknowns_of(mpc%node(i)), i=1, size(mpc%node))]
       rows(k)%coefficient = reshape(dg, [size(dg)])
       if (mpc%kind == MPC_MEAN_ROTATION) then
-        g = g - find_mean_radius(mpc%axis, X) * u(mpc%pilot_direction, mpc%reference)
-        rows(k)%unknown = [rows(k)%unknown, 3 * mpc%reference - 3 + mpc%pilot_direction]
-        rows(k)%coefficient = [rows(k)%coefficient, -find_mean_radius(mpc%axis, X)]
+        pilot = 0
+        pilot(mpc%pilot_direction) = 1
+        if (mpc%is_pilot_turned) pilot = mpc%axis
+        pilot = find_mean_radius(mpc%axis, X) * pilot
+        g = g - dot_product(pilot, u(:, mpc%reference))
+        do i = 1, 3
+          if (.not. abs(pilot(i)) > 0) cycle
+          rows(k)%unknown = [rows(k)%unknown, 3 * mpc%reference - 3 + i]
+          rows(k)%coefficient = [rows(k)%coefficient, -pilot(i)]
+        end do
       end if
       rows(k)%rhs = -g
     end do

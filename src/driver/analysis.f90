@@ -53,7 +53,7 @@ module amontons_analysis
     OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
   use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING
   use amontons_failure_messages, only: failure_words
-  use amontons_failure_report, only: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
+  use amontons_failure_report, only: find_failure, describe_failure, summarize_attempts, describe_events, is_always_unsupported
   use amontons_text_output, only: print_iteration, print_increment
   use amontons_checkpoint, only: take_snapshot, restore_snapshot, unpack_state
   use amontons_restart_file, only: read_restart_state
@@ -436,11 +436,11 @@ contains
       if (is_path_end) is_path_end = is_path_done(analysis%model, step, record%increment, analysis%state)
       record%n_proximal = analysis%newton%globalization%n_proximal
       record%n_snap_through = analysis%newton%globalization%n_snap_through + analysis%newton%rounds%n_unstable
-      record%report_lines = describe_edge_events(analysis%model, analysis%state)
       call share_points(analysis%system%assembly, analysis%model%mesh, analysis%state%new)
       call update_damping(analysis%system%volume_share, step, analysis%state, damping_work)
       if (step%is_dynamic) call conclude_inertia(analysis%system%assembly, analysis%system%mass, analysis%state)
       call sum_works(analysis%model, step, analysis%state, record, damping_work)
+      record%report_lines = describe_events(analysis%model, analysis%state)
       call complete_record(analysis, record)
       call commit_state(analysis%state)
       n_iterations = record%n_iterations

@@ -9,7 +9,8 @@
 !! with the vectors gamma of Flanagan and Belytschko, which are orthogonal to all linear fields, so that the patch test
 !! is passed; with F the mean deformation gradient, so that a rigid rotation has zero energy; and with M the elastic energy of
 !! the strains that vary linearly over the element, without those that lock, as in assumed strain and
-!! incompatible mode elements. Force and tangent are the exact derivatives of W. There is no user parameter.
+!! incompatible mode elements. Force and tangent are the exact derivatives of W. There is no user parameter. Where an inelastic law
+!! flows the stress follows: `hourglass_flow`.
 !!
 !! The calculix dialect uses Flanagan and Belytschko's artificial stiffness, as CalculiX: W = k/2 sum |sum_a 8 gamma_a alpha u_a|^2
 !! with k = 0.0005 E V sum |grad N_a|^2, which is far softer. (CalculiX 2.20 omits the first two coordinates in the
@@ -22,14 +23,16 @@
 !! Theory: doc/theory/elements.md, section "One point and hourglass stiffness".
 module amontons_hourglass
   use amontons_kinds, only: DP
-  use amontons_tensor, only: IDENTITY, invert, VOIGT_ROW, VOIGT_COLUMN
+  use amontons_tensor, only: IDENTITY, invert, unpack_voigt, VOIGT_ROW, VOIGT_COLUMN
   use amontons_element_kinds, only: MAX_ELEMENT_NODES
   implicit none
   private
   public :: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  public :: hourglass_amplitudes, hourglass_strain, MAX_HOURGLASS_SAMPLES
   public :: add_thickness_stabilization
 
   integer, parameter :: MAX_ELEMENT_CORNERS = 8, MAX_MODES = 4
+  integer, parameter :: MAX_HOURGLASS_SAMPLES = 8                 !< Gauss points of the full rule
   real(DP), parameter :: ARTIFICIAL_HOURGLASS_FACTOR = 0.0005_DP      !< of CalculiX's hourglass stiffness [-]
   real(DP), parameter :: THICKNESS_FACTOR = 1.0e-5_DP   !< of the thickness stabilization, over the stiffness of the material [-]
                                                          !! larger: coarse shells stiffen (doc/theory/elements.md)
@@ -37,7 +40,9 @@ module amontons_hourglass
   !> Nodes at the bottom and top of the fibres of a C3D20: corners, then mid-sides.
   integer, parameter :: FIBRE(2, 8) = reshape([1, 5, 2, 6, 3, 7, 4, 8, 9, 13, 10, 14, 11, 15, 12, 16], [2, 8])
 
-  ! Signs of the corners: xi, eta, zeta.
+  integer, parameter :: NEXT_DIRECTION(3) = [2, 3, 1], SHEAR_COMPONENT(3) = [5, 6, 4]   ! Voigt place of 23, 31, 12
+
+  ! Signs of the corners: xi, eta, zeta. Those of the samples are the same.
   real(DP), parameter :: CORNER_SIGNS(3, 8) = reshape([real(DP) :: &
     -1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
 
@@ -49,6 +54,11 @@ module amontons_hourglass
     real(DP) :: gamma(MAX_ELEMENT_CORNERS, MAX_MODES) = 0       !< [-]
     real(DP) :: gradient(MAX_ELEMENT_CORNERS, 3) = 0            !< mean dN_a/dX_j [1/length]
     real(DP) :: matrix(3 * MAX_MODES, 3 * MAX_MODES) = 0   !< M; (i, alpha) is i + d (alpha - 1) [force/length]
+    real(DP) :: J(3, 3) = 0                             !< dX_k/dxi_i at the centre, column i [length]
+    real(DP) :: natural(6, 6) = 0                       !< elastic tangent of the natural strains
+    real(DP) :: inelastic(3 * MAX_MODES) = 0            !< amplitudes p that have flowed before [length]
+    real(DP) :: start(3 * MAX_MODES) = 0                !< amplitudes at the start of the increment [length]
+    real(DP) :: tangent(3 * MAX_MODES, 3 * MAX_MODES) = 0  !< M from there on, that of a flowing material is softer [force/length]
   end type hourglass_type
 
 contains
@@ -88,8 +98,11 @@ contains
       end do
       hourglass%gamma(:n, alpha) = hourglass%gamma(:n, alpha) / real(n, DP)
     end do
-    if (d == 3) call set_solid_matrix(J, volume, c, hourglass%matrix)
-    if (d == 2) call set_plane_matrix(J, volume, c, hourglass%matrix)
+    hourglass%J = J
+    hourglass%natural = natural_tangent(J, c)
+    if (d == 3) call set_solid_matrix(J, volume, hourglass%natural, hourglass%matrix)
+    if (d == 2) call set_plane_matrix(J, volume, hourglass%natural, hourglass%matrix)
+    hourglass%tangent = hourglass%matrix
   end subroutine set_physical_hourglass
 
 
@@ -111,6 +124,7 @@ contains
     do i = 1, 3 * MAX_MODES
       hourglass%matrix(i, i) = 64 * k * n_sectors
     end do
+    hourglass%tangent = hourglass%matrix
   end subroutine set_artificial_hourglass
 
 
@@ -124,15 +138,13 @@ contains
   !! | eta zeta    | 11: P_4(1)                   |                              | 22, 33                    |
   !!
   !! and so on round for the last; the mean squares of these functions are 1/3 and 1/9.
-  pure subroutine set_solid_matrix(J, volume, c, matrix)
+  pure subroutine set_solid_matrix(J, volume, natural, matrix)
     real(DP), intent(in) :: J(3, 3)                !< dX_k/dxi_i at the centre, column i [length]
     real(DP), intent(in) :: volume                 !< [length^3]
-    real(DP), intent(in) :: c(6, 6)                !< [stress]
+    real(DP), intent(in) :: natural(6, 6)          !< of `natural_tangent`
     real(DP), intent(out) :: matrix(12, 12)
-    integer, parameter :: NEXT_DIRECTION(3) = [2, 3, 1], SHEAR_COMPONENT(3) = [5, 6, 4]   ! Voigt place of 23, 31, 12
-    real(DP) :: natural(6, 6), block(3, 3), map(3, 12), jacobians(12, 12)
+    real(DP) :: block(3, 3), map(3, 12), jacobians(12, 12)
     integer :: i, k, l, alpha
-    natural = natural_tangent(J, c)
     matrix = 0
     do i = 1, 3
       k = NEXT_DIRECTION(i)
@@ -156,13 +168,12 @@ contains
 
 
   !> M of the plane square: strain 11 varies as eta P(1), strain 22 as xi P(2), the other one free to follow.
-  pure subroutine set_plane_matrix(J, volume, c, matrix)
+  pure subroutine set_plane_matrix(J, volume, natural, matrix)
     real(DP), intent(in) :: J(3, 3)                !< dX_k/dxi_i at the centre, column i; third axis of length one
     real(DP), intent(in) :: volume                 !< [length^3]
-    real(DP), intent(in) :: c(6, 6)                !< [stress]
+    real(DP), intent(in) :: natural(6, 6)          !< of `natural_tangent`
     real(DP), intent(out) :: matrix(12, 12)
-    real(DP) :: natural(6, 6), diagonal(2, 2)
-    natural = natural_tangent(J, c)
+    real(DP) :: diagonal(2, 2)
     diagonal = 0
     diagonal(1, 1) = natural(1, 1) - natural(1, 2)**2 / natural(2, 2)
     diagonal(2, 2) = natural(2, 2) - natural(1, 2)**2 / natural(1, 1)
@@ -215,20 +226,89 @@ contains
   end function uniaxial_modulus
 
 
-  !> Adds force and, if wanted, stiffness of the hourglass energy.
-  pure subroutine add_hourglass_forces(hourglass, u, is_nlgeom, energy, force, stiffness)
+  !> The amplitudes p.
+  pure function hourglass_amplitudes(hourglass, u, is_nlgeom) result(p)
     type(hourglass_type), intent(in) :: hourglass
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: energy                !< W [energy]
-    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES) !< [force]
-    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< [force/length]
-    real(DP) :: F(3, 3), q(3, MAX_MODES), p(3 * MAX_MODES), s(3 * MAX_MODES), slope(3 * MAX_MODES, 3 * MAX_ELEMENT_CORNERS)
-    integer :: a, i, k, alpha, rows
+    real(DP) :: p(3 * MAX_MODES)                   !< [length]
+    real(DP) :: F(3, 3), q(3, MAX_MODES)
+    call find_amplitudes(hourglass, u, is_nlgeom, F, q, p)
+  end function hourglass_amplitudes
+
+
+  !> The strain of amplitudes p at a sample, in addition to the mean one, with the strains that are free to follow: that whose
+  !! energy is W. Referred to the undeformed element.
+  pure function hourglass_strain(hourglass, p, sample) result(strain)
+    type(hourglass_type), intent(in) :: hourglass
+    real(DP), intent(in) :: p(:)                   !< [length]
+    integer, intent(in) :: sample                  !< 1 to 2^d
+    real(DP) :: strain(3, 3)                       !< tensor components [-]
+    real(DP) :: natural(6), inverse(3, 3), det, place(3), amplitudes(3, MAX_MODES)
+    integer :: alpha
+    place = CORNER_SIGNS(:, sample) / sqrt(3.0_DP)
+    amplitudes = 0
+    associate (d => hourglass%d)
+      do alpha = 1, hourglass%m
+        amplitudes(:d, alpha) = matmul(transpose(hourglass%J(:d, :d)), p(d * (alpha - 1) + 1:d * alpha))
+      end do
+      if (d == 3) natural = natural_solid_strain(hourglass%natural, amplitudes, place)
+      if (d == 2) natural = natural_plane_strain(hourglass%natural, amplitudes(:, 1), place)
+    end associate
+    natural(4:) = natural(4:) / 2
+    call invert(hourglass%J, inverse, det)
+    strain = matmul(transpose(inverse), matmul(unpack_voigt(natural), inverse))
+  end function hourglass_strain
+
+
+  !> The natural strains of the hexahedron at a place: the table of `set_solid_matrix`.
+  pure function natural_solid_strain(c, P, place) result(strain)
+    real(DP), intent(in) :: c(6, 6)                !< of `natural_tangent`
+    real(DP), intent(in) :: P(3, MAX_MODES)        !< J^T p [length^2]
+    real(DP), intent(in) :: place(3)
+    real(DP) :: strain(6), kept(3), det
+    integer :: i, k, l
+    strain = 0
+    do i = 1, 3
+      k = NEXT_DIRECTION(i)
+      l = NEXT_DIRECTION(k)
+      kept = place(i) * [P(k, l), P(l, k), P(l, l) + P(k, k)]
+      associate (at => [k, l, SHEAR_COMPONENT(i)])
+        strain(at) = strain(at) + kept
+        strain(i) = strain(i) - dot_product(c(i, at), kept) / c(i, i)
+      end associate
+      kept(1) = place(k) * place(l) * P(i, 4)
+      det = c(k, k) * c(l, l) - c(k, l)**2
+      strain(i) = strain(i) + kept(1)
+      strain(k) = strain(k) - (c(l, l) * c(k, i) - c(k, l) * c(l, i)) / det * kept(1)
+      strain(l) = strain(l) - (c(k, k) * c(l, i) - c(k, l) * c(k, i)) / det * kept(1)
+    end do
+  end function natural_solid_strain
+
+
+  !> Those of the square.
+  pure function natural_plane_strain(c, P, place) result(strain)
+    real(DP), intent(in) :: c(6, 6)                !< of `natural_tangent`
+    real(DP), intent(in) :: P(3)                   !< J^T p [length^2]
+    real(DP), intent(in) :: place(3)
+    real(DP) :: strain(6)
+    strain = 0
+    strain(1) = place(2) * P(1) - c(1, 2) / c(1, 1) * place(1) * P(2)
+    strain(2) = place(1) * P(2) - c(1, 2) / c(2, 2) * place(2) * P(1)
+  end function natural_plane_strain
+
+
+  !> The mean deformation gradient, q, and the amplitudes p.
+  pure subroutine find_amplitudes(hourglass, u, is_nlgeom, F, q, p)
+    type(hourglass_type), intent(in) :: hourglass
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: F(3, 3), q(3, MAX_MODES), p(3 * MAX_MODES)
+    integer :: a, i, alpha
+    F = IDENTITY
+    q = 0
+    p = 0
     associate (d => hourglass%d, gamma => hourglass%gamma)
-      rows = d * hourglass%m
-      F = IDENTITY
-      q = 0
       do a = 2, hourglass%n
         do alpha = 1, hourglass%m
           q(:d, alpha) = q(:d, alpha) + gamma(a, alpha) * (u(:d, a) - u(:d, 1))
@@ -243,8 +323,26 @@ contains
           p(i + d * (alpha - 1)) = dot_product(F(:d, i), q(:d, alpha))
         end do
       end do
-      s(:rows) = matmul(hourglass%matrix(:rows, :rows), p(:rows))
-      energy = 0.5_DP * dot_product(p(:rows), s(:rows))
+    end associate
+  end subroutine find_amplitudes
+
+
+  !> Adds force and, if wanted, stiffness of the hourglass energy. Without flow it is p . M p / 2.
+  pure subroutine add_hourglass_forces(hourglass, u, is_nlgeom, energy, force, stiffness)
+    type(hourglass_type), intent(in) :: hourglass
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: energy                !< W [energy]
+    real(DP), intent(inout) :: force(3, MAX_ELEMENT_NODES) !< [force]
+    real(DP), intent(inout), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< [force/length]
+    real(DP) :: F(3, 3), q(3, MAX_MODES), p(3 * MAX_MODES), s(3 * MAX_MODES), slope(3 * MAX_MODES, 3 * MAX_ELEMENT_CORNERS)
+    integer :: a, k, rows
+    associate (d => hourglass%d)
+      rows = d * hourglass%m
+      call find_amplitudes(hourglass, u, is_nlgeom, F, q, p)
+      s(:rows) = matmul(hourglass%matrix(:rows, :rows), hourglass%start(:rows) - hourglass%inelastic(:rows)) &
+        + matmul(hourglass%tangent(:rows, :rows), p(:rows) - hourglass%start(:rows))
+      energy = 0.5_DP * dot_product(p(:rows) - hourglass%inelastic(:rows), s(:rows))
       call set_strain_derivative(hourglass, F, q, is_nlgeom, slope)
       do a = 1, hourglass%n
         do k = 1, d
@@ -287,7 +385,7 @@ contains
     integer :: a, b, i, j, r, c, alpha, rows
     associate (d => hourglass%d, n => hourglass%n, m => hourglass%m)
       rows = d * m
-      product(:rows, :d * n) = matmul(hourglass%matrix(:rows, :rows), slope(:rows, :d * n))
+      product(:rows, :d * n) = matmul(hourglass%tangent(:rows, :rows), slope(:rows, :d * n))
       sb = 0
       do alpha = 1, m
         do i = 1, d

@@ -14,6 +14,7 @@ module amontons_plane_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP, PI
   use amontons_zero_stress_condition, only: solve_zero_stress, evaluate_initial_tangent, CONDITION_NONE, CONDITION_PLANE_STRESS
+  use amontons_hourglass_flow, only: load_hourglass_flow, store_hourglass_flow
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
@@ -24,7 +25,7 @@ module amontons_plane_elements
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
   use amontons_logarithmic_strain, only: log1p
   use amontons_tensor, only: IDENTITY, determinant_minus_one
-  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_CPE4_FULL, KIND_CAX4R, KIND_CPS4R, KIND_CPE4R, &
+  use amontons_element_kinds, only: element_kind, element_kind_type, is_one_point, KIND_CPE4_FULL, &
     FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, &
     N_CIRCLE_SECTORS
   implicit none
@@ -86,13 +87,6 @@ contains
     end if
     if (is_one_point(kind)) call add_hourglass_control(entry, material, X, u, is_nlgeom, geometry, force, points, stiffness)
   end subroutine evaluate_plane_element
-
-
-  !> The kinds of one point and four nodes.
-  pure logical function is_one_point(kind)
-    integer, intent(in) :: kind
-    is_one_point = kind == KIND_CPS4R .or. kind == KIND_CPE4R .or. kind == KIND_CAX4R
-  end function is_one_point
 
 
   !> Gradients, hoop terms and volumes in the reference configuration. A kind with one point uses their mean over the
@@ -458,7 +452,10 @@ contains
       end if
       call add_hourglass_forces(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
     else
+      call load_hourglass_flow(material, points, hourglass)
       call add_hourglass_forces(hourglass, u, is_nlgeom, energy, force, stiffness)
+      call store_hourglass_flow(stress_condition(entry), material, u, geometry%H(:, :, 1), is_nlgeom, geometry%weight(:4, 1), &
+        hourglass, energy, points)
     end if
     points%energy(1) = points%energy(1) + energy / geometry%reference(1)
   end subroutine add_hourglass_control

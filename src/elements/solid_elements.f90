@@ -14,6 +14,7 @@ module amontons_solid_elements
     TOL_MODE_FORCE_ACCEPTABLE
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
     add_thickness_stabilization
+  use amontons_hourglass_flow, only: load_hourglass_flow, store_hourglass_flow
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: material_point_type, update_material_point
   use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_history, &
@@ -275,7 +276,7 @@ contains
     if (status /= ELEMENT_OK) return
     call invert(F, inverse, det)
     points%modes = 0
-    if (det > 0) points%modes = reshape(matmul(inverse, whole(:, 9:)), [3 * N_MODES])
+    if (det > 0) points%modes(:3 * N_MODES) = reshape(matmul(inverse, whole(:, 9:)), [3 * N_MODES])
     if (present(stiffness)) then
       stiffness = K
       call condense_mode_amplitudes(8, .not. allocated(points%skew), force, stiffness, is_regular)
@@ -389,8 +390,10 @@ contains
     type(kinematics_type) :: kinematics
     type(hourglass_type) :: hourglass
     real(DP) :: mean(MAX_ELEMENT_NODES, 3), volume, tau(6, MAX_ELEMENT_POINTS), tangent(6, 6, MAX_ELEMENT_POINTS), c(6, 6), energy
+    real(DP) :: temperature_weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     integer :: p
     force = 0
+    call set_solid_temperature_weights(KIND_C3D8R, temperature_weight, points%walls)
     call set_reference(KIND_C3D8_FULL, X, kinematics, status)
     if (status /= ELEMENT_OK) return
     volume = sum(kinematics%reference(:8))
@@ -417,7 +420,10 @@ contains
       call set_artificial_hourglass(hourglass, volume, c, [real(DP) ::], 1.0_DP)
       call add_hourglass_forces(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
     else
+      call load_hourglass_flow(material, points, hourglass)
       call add_hourglass_forces(hourglass, u, is_nlgeom, energy, force, stiffness)
+      call store_hourglass_flow(CONDITION_NONE, material, u, kinematics%H(:, :, 1), is_nlgeom, temperature_weight(:8, 1), &
+        hourglass, energy, points)
     end if
     points%energy(1) = points%energy(1) + energy / volume
   end subroutine evaluate_one_point

@@ -111,7 +111,7 @@ contains
         call solve_amplitudes(material, is_nlgeom, reference, kinematics, whole(:, :n + N_MODES), points, S, C, status)
       end if
       if (status /= ELEMENT_OK) return
-      points%modes = reshape(whole(:, n + 1:n + N_MODES), [3 * N_MODES])
+      points%modes(:3 * N_MODES) = reshape(whole(:, n + 1:n + N_MODES), [3 * N_MODES])
       force(:, :n + N_MODES) = reshape(stress_forces(reference, kinematics, S, 1), [3, n + N_MODES])
       if (present(stiffness)) then
         call integrate_stiffness(reference, kinematics, C, 1, .not. allocated(points%skew), stiffness)

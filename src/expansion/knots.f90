@@ -236,7 +236,8 @@ contains
 
 
   !> The first node of the calculix dialect at which a moment or a prescribed rotation acts wrongly, as in CalculiX: mean rotations
-  !! about each global axis by itself are those of the cross-section only if these axes are its principal ones. '': none.
+  !! about each global axis, or local one of *TRANSFORM, by itself are those of the cross-section only if these axes are its
+  !! principal ones. '': none.
   function describe_oblique_turns(model) result(text)
     type(model_type), intent(in) :: model
     character(:), allocatable :: text
@@ -246,15 +247,26 @@ contains
     do i = 1, n_nonlinear_mpcs(model)
       associate (mpc => model%nonlinear_mpcs(i))
         if (mpc%kind /= MPC_MEAN_ROTATION .or. index(mpc%card, 'SECTION') == 0) cycle
-        if (.not. is_oblique(model%mesh%coordinates(:, mpc%node)) .or. .not. is_turned_by_loads(model, mpc%reference)) cycle
+        if (.not. is_oblique(along_axes(model, mpc)) .or. .not. is_turned_by_loads(model, mpc%reference)) cycle
         node = findloc(model%rotation_of, mpc%reference, dim=1)
         text = 'Node ' // to_text(model%mesh%node_label(node)) // ': moments and rotations ' // &
-          'of beams and shells act in the mean about each global axis by itself, as in CalculiX. These are no axes of the ' // &
-          'cross-section, so that a moment also bends it about another one. --dialect=abaqus is right in every direction.'
+          'of beams and shells act in the mean about each global axis (or local one of *TRANSFORM) by itself, as in CalculiX. ' // &
+          'These are no axes of the cross-section, so that a moment also bends it about another one. --dialect=abaqus is ' // &
+          'right in every direction.'
         return
       end associate
     end do
   end function describe_oblique_turns
+
+
+  !> The places of the nodes of a mean rotation along the axes about which it is taken.
+  pure function along_axes(model, mpc) result(points)
+    type(model_type), intent(in) :: model
+    type(nonlinear_mpc_type), intent(in) :: mpc
+    real(DP) :: points(3, size(mpc%node))
+    points = model%mesh%coordinates(:, mpc%node)
+    if (mpc%is_pilot_turned) points = matmul(transpose(model%frames(:, :, model%frame_of(mpc%reference))), points)
+  end function along_axes
 
 
   !> Whether the inertia of points about their centre has products about the global axes.

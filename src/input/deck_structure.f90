@@ -19,6 +19,7 @@ module amontons_deck_structure
   use amontons_model, only: model_type, free_unknowns, dof_direction, DIALECT_CALCULIX
   use amontons_structural_data, only: structure_type, director_type, structural_section_type, layer_type, find_node_directors, &
     n_section_layers
+  use amontons_mpc_data, only: MPC_MEAN_ROTATION
   use amontons_text, only: plural, verb, to_text, NUMBER_OK
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SHELL, FAMILY_BEAM, KIND_S6, KIND_S8, KIND_S8R, &
     KIND_SAX1, KIND_SAX2, KIND_CAX_SHELL, FAMILY_RIGID, is_two_sided, is_structural_family
@@ -523,7 +524,10 @@ contains
     type(model_type), intent(inout) :: model
     logical, allocatable :: is_bound(:)
     integer :: n
-    if (allocated(model%structure) .and. allocated(model%frame_of)) call turn_inner_ties(model)
+    if (allocated(model%structure) .and. allocated(model%frame_of)) then
+      call turn_inner_ties(model)
+      call turn_mean_rotations(model)
+    end if
     call order_slave_terms(model, is_bound)
     n = count(is_bound)
     if (n > 0) call report_note(reader, 0, plural(n, 'slave node') // verb(n, ' belongs', ' belong') // &
@@ -556,6 +560,21 @@ contains
       end associate
     end do
   end subroutine turn_inner_ties
+
+
+  !> The mean rotations of cross-sections (calculix dialect) are those about the local axes of their node, as in CalculiX.
+  subroutine turn_mean_rotations(model)
+    type(model_type), intent(inout) :: model
+    integer :: i
+    do i = 1, size(model%nonlinear_mpcs)
+      associate (mpc => model%nonlinear_mpcs(i))
+        if (mpc%kind /= MPC_MEAN_ROTATION .or. index(mpc%card, 'BEAM') /= 1) cycle
+        if (model%frame_of(mpc%reference) == 0) cycle
+        mpc%axis = dof_direction(model, mpc%reference, mpc%pilot_direction)
+        mpc%is_pilot_turned = .true.
+      end associate
+    end do
+  end subroutine turn_mean_rotations
 
 
   !> Contact acts on unknowns that no equation makes dependent: in the ties of shells and beams slave nodes come last. The pairs of

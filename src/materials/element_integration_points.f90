@@ -5,7 +5,7 @@ module amontons_element_integration_points
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: spring_type, material_type, MAX_HISTORY
   use amontons_tensor, only: IDENTITY, determinant_minus_one
-  use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_ELEMENT_AMPLITUDES
   use amontons_user_material, only: umat_point_type
   implicit none
   private
@@ -41,12 +41,13 @@ module amontons_element_integration_points
     real(DP) :: elapsed_time = 0                   !< length of the increment, of rates that count in every step [time]
     real(DP), allocatable :: inner_old(:, :)       !< (n_inner, MAX_ELEMENT_POINTS) committed history of a law beyond MAX_HISTORY
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
-    real(DP) :: modes_old(9) = 0                   !< committed amplitudes of the incompatible modes, without the mean deformation
-                                                   !! [length]
+    real(DP) :: modes_old(MAX_ELEMENT_AMPLITUDES) = 0   !< committed amplitudes of the incompatible modes, without the mean
+                                                   !! deformation, or of hourglass modes that have flowed [length], and the energy
+                                                   !! that this dissipated
     logical :: is_tangent_wanted = .true.          !< if not, tangents of laws are not set
     logical :: is_output_wanted = .true.           !< if not, strain, energy and history need not be set
     ! output
-    real(DP) :: modes(9)                           !< these amplitudes at the end of the increment [length]
+    real(DP) :: modes(MAX_ELEMENT_AMPLITUDES) = 0  !< the same at the end of the increment
     real(DP) :: history(MAX_HISTORY, MAX_ELEMENT_POINTS)   !< at the end of the increment
     real(DP), allocatable :: inner(:, :)           !< the same at the end of the increment
     real(DP) :: stress(6, MAX_ELEMENT_POINTS)              !< Cauchy stress, xx yy zz xy yz xz [stress]

@@ -65,6 +65,7 @@ module amontons_material_point
     logical :: is_tangent_wanted = .true.          !< if not, the tangent is not set
     logical :: is_output_wanted = .true.           !< if not, finite strain, energy and history need not be set
     logical :: is_cut_later = .false.              !< NO COMPRESSION, NO TENSION: the caller calls cut_stress
+    logical :: is_flow_frozen = .false.            !< the law is elastic from its inelastic strains on
     ! output
     real(DP) :: stress(6)                          !< small strain: stress; finite: Kirchhoff stress [stress]
     real(DP) :: tangent(6, 6)                      !< its derivative, spatial at finite strain [stress]
@@ -308,7 +309,7 @@ contains
     real(DP) :: elastic(6), doubled(6)
     status = STRESS_OK
     elastic = strain - moduli%thermal - point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
-    if (material%has_deformation_plasticity) then
+    if (material%has_deformation_plasticity .and. .not. point%is_flow_frozen) then
       call evaluate_deformation_plasticity(moduli, elastic, point, status)
     else if (is_one_sided(material)) then
       call one_sided_stress(material%elastic_kind, moduli%constants, elastic, point%stress, point%tangent, point%energy)
@@ -324,7 +325,9 @@ contains
     else if (moduli%is_isotropic) then
       point%stress = hooke_stress(moduli%lambda, moduli%G, elastic)
       point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
-      if (material%yield_surface /= YIELD_ROUND) then
+      if (point%is_flow_frozen) then
+        point%history = point%history_old
+      else if (material%yield_surface /= YIELD_ROUND) then
         call return_along_axes(material, moduli, elastic, point, status)
       else if (is_inelastic(material)) then
         call return_to_yield_surface(material, moduli, point, status)
@@ -336,9 +339,10 @@ contains
       doubled(4:) = 2 * elastic(4:)
       point%stress = matmul(moduli%C, doubled)
       point%tangent = moduli%C
-      if (is_inelastic(material)) call return_with_anisotropy(material, moduli, doubled, point, status)
-      if (material%inelastic_law /= INELASTIC_NONE .and. point%elapsed_time > 0) call return_by_name(material, moduli, doubled, &
-        point, status)
+      if (is_inelastic(material) .and. .not. point%is_flow_frozen) &
+        call return_with_anisotropy(material, moduli, doubled, point, status)
+      if (material%inelastic_law /= INELASTIC_NONE .and. point%elapsed_time > 0 .and. .not. point%is_flow_frozen) &
+        call return_by_name(material, moduli, doubled, point, status)
       elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
       point%energy = 0.5_DP * double_dot(point%stress, elastic)
     end if
@@ -624,7 +628,7 @@ contains
     else
       e = principal%e - moduli%thermal(1)
       call evaluate_hencky(moduli, e, response)
-      if (is_inelastic(material)) then
+      if (is_inelastic(material) .and. .not. point%is_flow_frozen) then
         call return_principal_stresses(material, moduli, e, point, response, flow, status)
         if (status /= STRESS_OK) return
         if (point%is_output_wanted .and. any(abs(flow) > 0)) call store_inelastic_strain(principal, flow, point)

@@ -19,9 +19,9 @@ module amontons_element_kinds
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
     FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, FAMILY_USER, is_structural_family, &
-    has_faces_in_space, is_membrane, is_two_sided
+    has_faces_in_space, is_membrane, is_two_sided, is_one_point
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
-  public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, N_CIRCLE_SECTORS
+  public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_ELEMENT_AMPLITUDES, MAX_FACE_NODES, N_CIRCLE_SECTORS
 
   integer, parameter :: KIND_C3D4 = 1         !< linear tetrahedron, 1 point
   integer, parameter :: KIND_C3D6 = 2         !< linear wedge, 2 points
@@ -103,6 +103,7 @@ module amontons_element_kinds
 
   integer, parameter :: MAX_ELEMENT_NODES = 20        !< most nodes of an element
   integer, parameter :: MAX_ELEMENT_POINTS = 27       !< most integration points of an element
+  integer, parameter :: MAX_ELEMENT_AMPLITUDES = 27   !< most numbers that an element keeps beside the history of its points
   integer, parameter :: MAX_FACE_NODES = 8    !< most nodes of a face
 
   !> One kind of element.
@@ -125,6 +126,13 @@ module amontons_element_kinds
   end type facet_kind_type
 
 contains
+
+  !> The kinds of one point whose hourglass modes have a stiffness of their own.
+  elemental logical function is_one_point(kind)
+    integer, intent(in) :: kind
+    is_one_point = kind == KIND_C3D8R .or. kind == KIND_CPS4R .or. kind == KIND_CPE4R .or. kind == KIND_CAX4R
+  end function is_one_point
+
 
   !> The family of an element kind. Solids are found without the table: the reader needs it of each element several times.
   pure integer function kind_family(kind) result(family)

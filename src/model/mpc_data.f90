@@ -25,6 +25,7 @@ module amontons_mpc_data
     integer :: rotation = 0                  !< BODY, FITTED_ROTATION: the rotation node
     integer :: expansion = 0                 !< BODY: the node whose first displacement is its uniform stretch, 0: it is rigid
     integer :: pilot_direction = 1           !< MEAN_ROTATION: the displacement of the pilot node that is the angle
+    logical :: is_pilot_turned = .false.     !< that displacement is the one along the axis, a local direction of the pilot node
     logical :: is_bound(3) = .true.          !< BODY: constrained directions
     real(DP), allocatable :: axes(:, :, :)   !< (3, 3, n) BODY: these directions at each node, columns; else x, y, z
     real(DP) :: axis(3) = 0                  !< MEAN_ROTATION: unit vector of the axis
@@ -154,6 +155,7 @@ contains
     to%rotation = from%rotation
     to%expansion = from%expansion
     to%pilot_direction = from%pilot_direction
+    to%is_pilot_turned = from%is_pilot_turned
     to%is_bound = from%is_bound
     call move_alloc(from%axes, to%axes)
     to%axis = from%axis

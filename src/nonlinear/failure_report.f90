@@ -24,6 +24,7 @@ module amontons_failure_report
     FAMILY_LIMIT_POINT, FAMILY_MATERIAL
   use amontons_failure_messages, only: failure_name, remedy_words, node_list, is_same_failure
   use amontons_iteration_records, only: increment_record_type, REPORT_LINE_LENGTH
+  use amontons_element_kinds, only: MAX_ELEMENT_AMPLITUDES
   use amontons_model, only: model_type
   use amontons_slave_node_overrides, only: NODE_OVERRIDE_EXTENDED
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
@@ -41,8 +42,9 @@ module amontons_failure_report
     OUTCOME_UNSUPPORTED, OUTCOME_TUNNELLING, OUTCOME_CONSTRAINTS
   implicit none
   private
-  public :: find_failure, describe_failure, summarize_attempts, describe_edge_events, is_always_unsupported
+  public :: find_failure, describe_failure, summarize_attempts, describe_edge_events, describe_events, is_always_unsupported
 
+  real(DP), parameter :: MAX_HOURGLASS_FLOW = 0.05_DP    !< of the work of an increment: more is said [-]
   integer, parameter :: N_WORST_NODES = 10               !< nodes listed
   integer, parameter :: N_MODE_NODES = 5                 !< nodes listed of a mode, or of the contact of an element
 
@@ -425,6 +427,25 @@ contains
       node_list(labels_of(model, state%new%slaves, slaves)) // ' ran off the master surface in this increment: nothing ' // &
       'holds them there.']
   end function describe_edge_events
+
+
+  !> What is said of a converged increment: slave nodes beyond an edge, and hourglass stresses that the law does not hold.
+  function describe_events(model, state) result(lines)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state          !< converged, not yet committed, its works summed
+    character(REPORT_LINE_LENGTH), allocatable :: lines(:)
+    real(DP) :: missed, taken
+    lines = describe_edge_events(model, state)
+    associate (old => state%old, new => state%new)
+      if (size(new%modes) == 0) return
+      missed = sum(new%modes(MAX_ELEMENT_AMPLITUDES, :) - old%modes(MAX_ELEMENT_AMPLITUDES, :))
+      taken = abs(new%plastic_work - old%plastic_work) + abs(new%strain_energy - old%strain_energy)
+    end associate
+    if (missed > MAX_HOURGLASS_FLOW * taken) lines = [character(REPORT_LINE_LENGTH) :: lines, '*WARNING: one-point elements ' // &
+      'had hourglass stresses that the material does not hold; their work is ' // to_text(nint(100 * missed / taken)) // &
+      ' % of that of this increment.', &
+      'Take smaller increments, more elements across the bending, or C3D8I, CPS8R, CPE8R, CAX8R.']
+  end function describe_events
 
 
   !> Contact of a node: pair, gap, and status in the last iterations.

@@ -15,7 +15,8 @@
 module amontons_postprocess
   use amontons_kinds, only: DP, PI
   use amontons_beam_rules, only: is_beam_kind, interpolate_printed_points, MAX_PRINTED_POINTS
-  use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, FAMILY_AXISYMMETRIC, &
+  use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, is_one_point, &
+    FAMILY_AXISYMMETRIC, MAX_ELEMENT_AMPLITUDES, &
     FAMILY_MEMBRANE, FAMILY_SPRING, has_faces_in_space, KIND_C3D6, KIND_C3D8, &
     KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, &
     KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE6, KIND_CPE8, &
@@ -831,6 +832,8 @@ contains
             work = 0.5_DP * (von_mises(old%stress(:, p)) + von_mises(new%stress(:, p))) * &
               (change(HISTORY_PEEQ) + change(HISTORY_CEEQ))
           end if
+          if (is_one_point(model%mesh%kind(e)) .and. size(new%modes, 2) > 0) work = work + &
+            (new%modes(MAX_ELEMENT_AMPLITUDES - 1, e) - old%modes(MAX_ELEMENT_AMPLITUDES - 1, e)) / new%volume(p)
           new%dissipated(p) = new%dissipated(p) + work
           new%plastic_work = new%plastic_work + new%volume(p) * work
         end do

@@ -16,7 +16,8 @@ module amontons_state
   use amontons_structural_data, only: interpolate_added_nodes
   use amontons_user_elements, only: n_user_memory
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
-  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_CAX_SHELL, is_membrane, MAX_ELEMENT_NODES, &
+  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_CAX_SHELL, is_membrane, is_one_point, &
+    MAX_ELEMENT_NODES, MAX_ELEMENT_AMPLITUDES, &
     MAX_ELEMENT_POINTS, MAX_FACE_NODES, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8
   implicit none
   private
@@ -80,8 +81,9 @@ module amontons_state
     real(DP), allocatable :: dissipated(:)  !< (n_points) work on plastic and creep strains; (0): none [energy/volume]
     real(DP), allocatable :: volume(:)      !< (n_points) reference volume [length^3]
     real(DP), allocatable :: history(:, :)  !< (n_history, n_points) HISTORY_... of materials; n_history 0 without history
-    real(DP), allocatable :: modes(:, :)    !< (9, n_elements) amplitudes of the incompatible modes without the mean deformation,
-                                            !< of laws with history; (9, 0): none [length]
+    real(DP), allocatable :: modes(:, :)    !< (MAX_ELEMENT_AMPLITUDES, n_elements) of laws with history: amplitudes of the
+                                            !< incompatible modes without the mean deformation, or those of hourglass modes that
+                                            !< have flowed [length] and the energy that this dissipated; (:, 0): none
     real(DP), allocatable :: temperature(:) !< (n_nodes) of the nodes, then field variable 1 of all nodes, ... [temperature]
     real(DP) :: creep_time = 0              !< time spent in creep steps [time]
     real(DP), allocatable :: frame(:, :, :) !< (3, 3, n_points) local axes in columns, fixed; not allocated: global
@@ -134,7 +136,8 @@ contains
       call clear_points(new%stress)
       call clear_points(new%strain)
       allocate (new%energy(m), new%volume(m), source=0.0_DP)
-      allocate (new%history(0, m), new%modes(9, 0), new%temperature(n), new%user_memory(0), new%dissipated(0), source=0.0_DP)
+      allocate (new%history(0, m), new%modes(MAX_ELEMENT_AMPLITUDES, 0), new%temperature(n), new%user_memory(0), &
+        new%dissipated(0), source=0.0_DP)
       allocate (new%slaves, source=slaves)
     end associate
     call commit_fields(state)
@@ -158,9 +161,9 @@ contains
       allocate (new%user_memory(n_memory + n_user_memory(model%user_elements)), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
       if (n_history > 0 .and. any(model%mesh%kind == KIND_C3D8I .or. model%mesh%kind == KIND_CSS8 .or. &
-        model%mesh%kind == KIND_CSS6)) then
+        model%mesh%kind == KIND_CSS6 .or. is_one_point(model%mesh%kind))) then
         deallocate (new%modes)
-        allocate (new%modes(9, model%mesh%n_elements), source=0.0_DP)
+        allocate (new%modes(MAX_ELEMENT_AMPLITUDES, model%mesh%n_elements), source=0.0_DP)
       end if
       if (n_history >= HISTORY_INELASTIC + 5) new%dissipated = [(0.0_DP, i=1, model%mesh%n_points)]
       if (allocated(model%initial_history)) then

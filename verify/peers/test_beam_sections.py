@@ -10,11 +10,12 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from verify.decks.beams import Section, beam, box, circle, pipe
 from verify.peers.test_mixed_decks import run_peer
-from verify.readers.dat_frd_files import compare_block, read_dat
+from verify.readers.dat_frd_files import compare_block, read_dat, read_frd
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 
@@ -79,3 +80,25 @@ def test_pretension(run_deck: Callable[..., subprocess.CompletedProcess[str]], t
     run_peer(tmp_path / "ccx")
     ours, theirs = (read_dat(folder / "job.dat") for folder in (tmp_path, tmp_path / "ccx"))
     assert compare_block(ours[0], theirs[0]).deviation <= 0.01, "1 % of the largest displacement"
+
+
+TURN = np.array([[0.458905312970806, -0.644217687237691, 0.611873749827591], [0.386530612142214, 0.764842187284488, 0.515374149790153], [-0.8, 0.0, 0.6]])
+
+
+@pytest.mark.parametrize("held", ["2, 4, 6\n", "2, 5, 5\n", ""], ids=["rotations", "one", "none"])
+def test_beam_at_transformed_nodes(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, held: str) -> None:
+    """Rotations at nodes with *TRANSFORM are mean rotations about the local axes: the deflection of a beam along them, to CalculiX's digits."""
+    places = [TURN @ np.array([0.0, 0.0, z]) for z in (0.0, 4.0)]
+    deck = "*NODE, NSET=ALL\n" + "".join(f"{i + 1}, {x:.12g}, {y:.12g}, {z:.12g}\n" for i, (x, y, z) in enumerate(places)) + "*ELEMENT, TYPE=B31, ELSET=B\n1, 1, 2\n"
+    deck += "*MATERIAL, NAME=M\n*ELASTIC\n2e5, 0.3\n*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=RECT\n0.8, 0.6\n" + ", ".join(f"{v:.12g}" for v in TURN[:, 0]) + "\n"
+    deck += "*TRANSFORM, NSET=ALL\n" + ", ".join(f"{v:.12g}" for v in [*TURN[:, 0], *TURN[:, 1]]) + f"\n*BOUNDARY\n1, 1, 6\n{held}*STEP\n*STATIC\n"
+    deck += "*CLOAD\n2, 1, 10.\n2, 2, 7.\n*NODE PRINT, NSET=ALL, GLOBAL=YES\nU\n*END STEP\n"
+    folder = tmp_path / "ccx"
+    folder.mkdir()
+    (folder / "job.inp").write_text(deck.replace("*NODE PRINT, NSET=ALL, GLOBAL=YES\nU", "*NODE FILE, OUTPUT=2D\nU"))
+    run_peer(folder)
+    theirs = next(table for table in read_frd(folder / "job.frd") if table.title == "DISP").rows[(2,)]
+    done = run_deck(deck, "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    ours = read_dat(tmp_path / "job.dat")[0].rows[(2,)]
+    assert np.abs(np.subtract(ours, theirs[:3])).max() <= 1e-5 * np.abs(theirs[:3]).max(), (ours, theirs)
