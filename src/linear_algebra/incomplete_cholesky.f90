@@ -387,7 +387,7 @@ contains
     integer, intent(in) :: low, high                   !< rows; their columns lie within them
     real(DP), intent(inout), contiguous :: z(:)
     real(DP), intent(out), optional, contiguous :: share(:)   !< what the other entries, in the last columns of all, take from z
-    integer :: k, p, q, r, before
+    integer :: k, n, p, q, r, before
     real(DP) :: a, b, c
     before = 0
     if (present(share)) then
@@ -408,9 +408,14 @@ contains
         z(k + 2) = c
         p = p + 2 - r
         q = q + 1 - r
-        call subtract_three(pattern%column, value, r + 1, last(k + 2) - 1, p, q, a, b, c, 0, z)
-        if (present(share)) call subtract_three(pattern%column, value, last(k + 2), pattern%first(k + 3) - 1, p, q, -a, -b, -c, &
-          before, share)
+        n = last(k + 2) - 1
+        call subtract_three(pattern%column(r + 1:n), value(p + r + 1:p + n), value(q + r + 1:q + n), value(r + 1:n), [a, b, c], &
+          0, z)
+        if (present(share)) then
+          r = n + 1
+          n = pattern%first(k + 3) - 1
+          call subtract_three(pattern%column(r:n), value(p + r:p + n), value(q + r:q + n), value(r:n), [-a, -b, -c], before, share)
+        end if
         k = k + 3
         cycle
       end if
@@ -429,19 +434,17 @@ contains
   end subroutine eliminate_rows
 
 
-  !> Subtracts from z the multiples a, b, c of the entries of three rows with the same columns.
-  pure subroutine subtract_three(column, value, low, high, p, q, a, b, c, before, z)
+  !> Subtracts from z the multiples of three rows with the same columns.
+  pure subroutine subtract_three(column, first, second, third, multiple, before, z)
     integer, intent(in), contiguous :: column(:)
-    real(SP), intent(in), contiguous :: value(:)
-    integer, intent(in) :: low, high                   !< entries of the third row
-    integer, intent(in) :: p, q                        !< from them to those of the first and the second row
-    real(DP), intent(in) :: a, b, c
+    real(SP), intent(in), dimension(:), contiguous :: first, second, third   !< the rows
+    real(DP), intent(in) :: multiple(3)
     integer, intent(in) :: before                      !< columns before the first one of z
     real(DP), intent(inout), contiguous :: z(:)
-    integer :: r
-    do r = low, high
-      z(column(r) - before) = z(column(r) - before) - (real(value(p + r), DP) * a + real(value(q + r), DP) * b + &
-        real(value(r), DP) * c)
+    integer :: i
+    do i = 1, size(column)
+      z(column(i) - before) = z(column(i) - before) - (real(first(i), DP) * multiple(1) + real(second(i), DP) * multiple(2) + &
+        real(third(i), DP) * multiple(3))
     end do
   end subroutine subtract_three
 

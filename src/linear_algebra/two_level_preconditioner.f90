@@ -388,7 +388,7 @@ contains
     type(block_list_type), intent(in) :: share(:)
     type(sparse_type), intent(out) :: matrix
     integer, allocatable :: row(:), column(:), list(:), place(:), by_column(:), by_row(:), first(:)
-    integer :: t, k, a, i, n, p, l
+    integer :: t, k, a, n, p, l
     row = [(share(t)%row(:share(t)%n), t=1, size(share))]
     column = [(share(t)%column(:share(t)%n), t=1, size(share))]
     list = [([(t, k=1, share(t)%n)], t=1, size(share))]
@@ -409,22 +409,26 @@ contains
       do l = 1, 6
         matrix%first(6 * (a - 1) + l) = p
         do k = first(a), first(a + 1) - 1
-          n = merge(l, 1, column(by_row(k)) == a)              ! first entry of the row in the block
-          associate (values => share(list(by_row(k)))%value(l, n:6, place(by_row(k))))
-            if (is_repeated(k)) then
-              matrix%value(p - size(values):p - 1) = matrix%value(p - size(values):p - 1) + values
-            else
-              matrix%value(p:p + 6 - n) = values
-              matrix%column(p:p + 6 - n) = 6 * (column(by_row(k)) - 1) + [(i, i=n, 6)]
-              p = p + 7 - n
-            end if
-          end associate
+          call add_row_of_block(by_row(k), merge(l, 1, column(by_row(k)) == a), is_repeated(k))
         end do
       end do
     end do
     matrix%first(6 * n_parts + 1) = p
 
   contains
+
+    !> Row l of a block, from column n of the block on: added to the entries before, or behind them.
+    subroutine add_row_of_block(b, n, is_added)
+      integer, intent(in) :: b, n
+      logical, intent(in) :: is_added
+      integer :: i
+      if (.not. is_added) then
+        matrix%column(p:p + 6 - n) = 6 * (column(b) - 1) + [(i, i=n, 6)]
+        matrix%value(p:p + 6 - n) = 0
+        p = p + 7 - n
+      end if
+      matrix%value(p - 7 + n:p - 1) = matrix%value(p - 7 + n:p - 1) + share(list(b))%value(l, n:6, place(b))
+    end subroutine add_row_of_block
 
     !> Whether a block is at the place of the one before.
     pure logical function is_repeated(k)
@@ -628,7 +632,6 @@ contains
       integer, intent(in) :: t
       range_end = int(int(t, I64) * size(self%part, kind=I64) / int(self%incomplete%n_domains, I64))
     end function range_end
-
 
     !> The sum over some unknowns.
     pure subroutine add_range(low, high, c)

@@ -127,8 +127,8 @@ contains
   end subroutine load
 
 
-  !> Bent alone: elastic at first; then the fully plastic moment of two Gauss points, 2/sqrt(3) of that of the rectangle, whether the
-  !! curvature comes in one increment or in many; unloading is elastic, and reverse bending yields the other way.
+  !> Bent alone: elastic at first; then the fully plastic moment of two Gauss points, 2/sqrt(3) of that of the rectangle, whether
+  !! the curvature comes in one increment or in many; unloading is elastic, and reverse bending yields the other way.
   subroutine test_bending(kind, is_nlgeom)
     integer, intent(in) :: kind
     logical, intent(in) :: is_nlgeom
