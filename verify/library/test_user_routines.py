@@ -88,10 +88,10 @@ def assert_equal(ours: Path, theirs: Path, tolerance: float) -> None:
         assert a["AMONTONS/history/n_iterations"][:].tolist() == b["AMONTONS/history/n_iterations"][:].tolist()
 
 
-@pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D8R", "C3D10", "C3D15", "C3D20R"])
+@pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D10", "C3D15", "C3D20R"])
 def test_plasticity_by_umat_is_plastic(run: Run, tmp_path: Path, kind: str) -> None:
     """Radial return with linear hardening, loaded and unloaded: our PLASTIC to 1e-10, SDV1 is PEEQ; small strain, where
-    both integrate the same equations exactly."""
+    both integrate the same equations exactly. (The hourglass stiffness of C3D8R follows our law, not a user's.)"""
     ours, theirs = run_two(run, tmp_path, solid_deck(kind, PLASTIC), solid_deck(kind, J2), ROUTINES / "j2.f")
     assert_equal(ours, theirs, 1e-10)
     with h5py.File(ours) as a, h5py.File(theirs) as b:
