@@ -297,7 +297,7 @@ uses_text_output = kinds errors iteration_records posix steps model state dat_ou
 
 # driver
 uses_contact_checks = kinds model state constraints body_motion contact_pairs driven_slaves unpaired_contact unpaired_crossing
-uses_driven_directors = kinds text errors tensor element_kinds structural_data model shape_functions mesh_point_search section_forces
+uses_driven_directors = kinds text containers errors tensor element_kinds structural_data model shape_functions mesh_point_search section_forces
 uses_submodel_results = kinds text errors posix logger element_kinds loads steps submodels model deck_restart mesh_point_search global_results driven_directors
 uses_user_routine_setup = kinds errors logger loads user_routines materials surfaces user_elements model user_material state user_state
 uses_model_setup = kinds text errors logger loads model knots deck_structure embedded_elements tie_generation contact_initialization dependent_slaves general_contact self_contact_pairs balanced_bodies submodel_results user_routine_setup

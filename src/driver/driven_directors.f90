@@ -8,6 +8,7 @@
 !! rotation of the frame of the moved directions. Where several solids lie over one another (layers) the place in its layer is kept.
 module amontons_driven_directors
   use amontons_kinds, only: DP, PI
+  use amontons_containers, only: list_groups, owners_of_entries
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_element_kinds, only: N_SOLID_KINDS, KIND_C3D4, KIND_C3D10, KIND_CPS3, KIND_CPS6, MAX_ELEMENT_NODES
   use amontons_mesh_point_search, only: located_point_type
@@ -42,10 +43,15 @@ contains
     type(located_point_type), intent(inout) :: located(:)   !< (driven)
     type(driven_director_type), allocatable, intent(out) :: directors(:)   !< (driven)
     type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: first_at(:), at_node(:)   ! elements of each global node
     integer :: k, i, last
     logical :: is_ok
     allocate (directors(size(driven)))
     if (.not. allocated(model%structure)) return
+    call list_groups(nodes, size(coordinates, 2), first_at, at_node)
+    associate (owner => owners_of_entries(first))
+      at_node = owner(at_node)
+    end associate
     do k = 1, size(driven)
       call find_node_directors(model%structure, driven(k), i, last)
       if (last < i) cycle
@@ -56,7 +62,8 @@ contains
           directors(k)%axes = axes_of(director)
           directors(k)%lever = merge(director%offset(1) * director%thickness(1), 0.0_DP, director%n_outer == 2)
         end associate
-        call place_in_element(kind(located(k)%element), first, nodes, coordinates, directors(k), located(k), is_ok)
+        call place_in_element(kind(located(k)%element), first, nodes, first_at, at_node, coordinates, directors(k), located(k), &
+          is_ok)
         if (is_ok) exit
       end do
       if (is_ok) cycle
@@ -87,9 +94,10 @@ contains
 
 
   !> Shape functions and their gradient at the place of a node; of a shell in the middle of its solid.
-  subroutine place_in_element(kind, first, nodes, coordinates, director, located, is_ok)
+  subroutine place_in_element(kind, first, nodes, first_at, at_node, coordinates, director, located, is_ok)
     integer, intent(in) :: kind                      !< KIND_... of the global element
     integer, intent(in) :: first(:), nodes(:)
+    integer, intent(in) :: first_at(:), at_node(:)   !< elements of each global node
     real(DP), intent(in) :: coordinates(:, :)
     type(driven_director_type), intent(inout) :: director
     type(located_point_type), intent(inout) :: located
@@ -128,16 +136,17 @@ contains
     !> Whether another element lies on the face of this one at an end of the coordinate across: layers.
     logical function is_covered(side)
       integer, intent(in) :: side                    !< 1 or -1
-      real(DP) :: at_node(3, MAX_ELEMENT_NODES)
+      real(DP) :: natural(3, MAX_ELEMENT_NODES)
       logical :: is_of_face(MAX_ELEMENT_NODES)
-      integer :: e, a
-      call node_coordinates(kind, at_node)
+      integer :: a, i, node
+      call node_coordinates(kind, natural)
       is_of_face = .false.
-      is_of_face(:m) = nint(at_node(across, :m)) == side
+      is_of_face(:m) = nint(natural(across, :m)) == side
       is_covered = .false.
-      do e = 1, size(first) - 1
-        if (e == located%element) cycle
-        associate (own => nodes(first(e):first(e + 1) - 1))
+      node = located%nodes(findloc(is_of_face, .true., dim=1))
+      do i = first_at(node), first_at(node + 1) - 1
+        if (at_node(i) == located%element) cycle
+        associate (own => nodes(first(at_node(i)):first(at_node(i) + 1) - 1))
           is_covered = .true.
           do a = 1, m
             if (is_of_face(a)) is_covered = is_covered .and. any(own == located%nodes(a))

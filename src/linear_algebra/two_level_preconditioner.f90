@@ -366,20 +366,19 @@ contains
     allocate (share(n_shares))
     !$omp parallel do schedule(static, 1) num_threads(n_shares)
     do t = 1, n_shares
-      call assemble_block_rows(self, matrix, first, members, share_end(t - 1) + 1, share_end(t), share(t))
+      call assemble_block_rows(self, matrix, first, members, share_end(self%n_parts, n_shares, t - 1) + 1, &
+        share_end(self%n_parts, n_shares, t), share(t))
     end do
     !$omp end parallel do
     call join_blocks(self%n_parts, share, coarse)
-
-  contains
-
-    !> The last part of a share.
-    pure integer function share_end(k)
-      integer, intent(in) :: k
-      share_end = int(int(k, I64) * int(self%n_parts, I64) / int(n_shares, I64))
-    end function share_end
-
   end subroutine assemble_coarse_matrix
+
+
+  !> The last of n items in the first k of equal shares.
+  pure integer function share_end(n, n_shares, k)
+    integer, intent(in) :: n, n_shares, k
+    share_end = int(int(k, I64) * int(n, I64) / int(n_shares, I64))
+  end function share_end
 
 
   !> The upper triangle of a matrix from its blocks.
@@ -618,7 +617,8 @@ contains
     !$omp parallel do schedule(static, 1) num_threads(self%incomplete%n_domains)
     do t = 1, self%incomplete%n_domains
       share(:, t) = 0
-      call add_range(range_end(t - 1) + 1, range_end(t), share(:, t))
+      call add_range(share_end(size(self%part), self%incomplete%n_domains, t - 1) + 1, &
+        share_end(size(self%part), self%incomplete%n_domains, t), share(:, t))
     end do
     !$omp end parallel do
     do t = 1, self%incomplete%n_domains
@@ -626,12 +626,6 @@ contains
     end do
 
   contains
-
-    !> The last unknown of the range of a thread.
-    pure integer function range_end(t)
-      integer, intent(in) :: t
-      range_end = int(int(t, I64) * size(self%part, kind=I64) / int(self%incomplete%n_domains, I64))
-    end function range_end
 
     !> The sum over some unknowns.
     pure subroutine add_range(low, high, c)
