@@ -22,30 +22,35 @@ contains
     type(model_type), intent(inout) :: model
     type(parameter_type), allocatable :: parameters(:)
     type(data_row_type) :: row
-    integer :: c
+    type(foundation_type), allocatable :: list(:)
+    integer :: c, n
+    n = 0
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'FOUNDATION')) cycle
-      if (.not. allocated(model%foundations)) allocate (model%foundations(0))
+      if (.not. allocated(list)) allocate (list(0))
       call open_card(reader, c, parameters, row)
       if (reader%dialect == DIALECT_CALCULIX) call report_error(reader, reader%cards%cards(c)%line, 'CalculiX has no ' // &
         '*FOUNDATION: give SPRING1 elements at the nodes of the face, or run the deck in the abaqus dialect.')
       do while (next_row(reader%cards, row))
-        call read_row(reader, model, row)
+        call read_row(reader, model, row, list, n)
       end do
     end do
+    if (allocated(list)) model%foundations = list(:n)
   end subroutine read_foundations
 
 
   !> Row: element or element set, F1 to F6 or F, stiffness per area.
-  subroutine read_row(reader, model, row)
+  subroutine read_row(reader, model, row, list, n)
     type(reader_type), intent(inout) :: reader
-    type(model_type), intent(inout) :: model
+    type(model_type), intent(in) :: model
     type(data_row_type), intent(in) :: row
-    type(foundation_type), allocatable :: found(:)
+    type(foundation_type), allocatable, intent(inout) :: list(:)
+    integer, intent(inout) :: n                  !< of the list
+    type(foundation_type), allocatable :: longer(:)
     integer, allocatable :: elements(:)
     character(:), allocatable :: label
     real(DP) :: stiffness
-    integer :: i, face, n_found, n_without
+    integer :: i, face, n_without
     logical :: is_ok
     is_ok = .true.
     call check_n_fields(reader, row, 3)
@@ -57,8 +62,11 @@ contains
       return
     end if
     label = name_key(field_text(reader%cards, row, 2))
-    allocate (found(size(elements)))
-    n_found = 0
+    if (n + size(elements) > size(list)) then
+      allocate (longer(2 * (n + size(elements))))
+      longer(:n) = list(:n)
+      call move_alloc(longer, list)
+    end if
     n_without = 0
     do i = 1, size(elements)
       face = foundation_face(model, elements(i), label)
@@ -66,11 +74,10 @@ contains
       if (face == 0) then
         n_without = n_without + 1
       else
-        n_found = n_found + 1
-        found(n_found) = foundation_type(elements(i), face, stiffness)
+        n = n + 1
+        list(n) = foundation_type(elements(i), face, stiffness)
       end if
     end do
-    model%foundations = [model%foundations, found(:n_found)]
     if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here ' // &
       verb(n_without, 'takes', 'take') // ' no foundation ' // label // ': faces of solids and plane elements take F1, F2, ' // &
       '..., shells and membranes F. For beams and trusses give SPRING1 elements at their nodes, with the stiffness per length ' // &
