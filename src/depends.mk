@@ -18,9 +18,10 @@ uses_version =
 uses_blas_lapack = kinds
 uses_dense = kinds blas_lapack
 uses_anderson_acceleration = kinds dense
-uses_column_singletons = kinds
 uses_sparse = kinds errors
 uses_factorization = kinds errors sparse
+uses_coarse_factor = kinds errors sparse factorization
+uses_column_singletons = kinds
 uses_graph_partition = containers errors sparse
 uses_incomplete_cholesky = kinds containers sparse
 uses_krylov = kinds errors sparse
@@ -29,15 +30,16 @@ uses_midside_interpolation = kinds errors sparse
 uses_null_space = kinds dense
 uses_point_partition = kinds
 uses_sparse_null_space = kinds containers null_space
-uses_two_level_preconditioner = kinds containers errors dense sparse factorization incomplete_cholesky midside_interpolation point_partition
+uses_two_level_preconditioner = kinds containers errors dense sparse coarse_factor incomplete_cholesky midside_interpolation point_partition
 uses_woodbury_interface = kinds errors blas_lapack dense sparse krylov
 
 # distributed
 uses_mpi_ranks = kinds errors
 uses_distributed_solver = kinds errors sparse krylov two_level_preconditioner mpi_ranks
+uses_divided_coarse_factor = kinds containers errors dense sparse factorization coarse_factor graph_partition mpi_ranks
 uses_halo = kinds containers sparse mpi_ranks
 uses_domain_matrix = kinds containers sparse mpi_ranks halo
-uses_distributed_two_level = kinds containers errors sparse krylov two_level_preconditioner mpi_ranks halo domain_matrix
+uses_distributed_two_level = kinds errors sparse krylov two_level_preconditioner mpi_ranks divided_coarse_factor halo domain_matrix
 
 # model
 uses_analytic_profiles = kinds tensor

@@ -7,7 +7,7 @@ module amontons_posix
   use amontons_errors, only: error_type, set_error, EXIT_IO
   implicit none
   private
-  public :: new_file_type, start_new_file, append_words, place_new_file, sync_file, truncate_file
+  public :: new_file_type, start_new_file, append_words, place_new_file, remove_new_file, sync_file, truncate_file
   public :: checksum_of_words, continue_checksum, checksum_of_text, errno_text
   public :: has_memory, available_megabytes, total_megabytes, peak_megabytes, install_signal_handlers, pending_stop_signal, &
     is_status_requested, set_exit_handler, end_process, restart_with_settings, return_large_blocks
@@ -268,6 +268,18 @@ contains
       c_null_char, head, 8_I64 * size(head, kind=I64), status)
     call set_posix_error('write', file%path, status, error)
   end subroutine place_new_file
+
+
+  !> Removes a new file: the one before stays.
+  subroutine remove_new_file(file)
+    type(new_file_type), intent(inout) :: file
+    integer(I64), parameter :: NO_WORDS(0) = [integer(I64) ::]
+    integer :: status
+    status = huge(status)                            ! not 0: the shim removes the file
+    if (file%descriptor >= 0) status = place_new_c(file%descriptor, file%path // c_null_char, file%path // SUFFIX_NEW // &
+      c_null_char, NO_WORDS, 0_I64, status)
+    file%descriptor = -1
+  end subroutine remove_new_file
 
 
   !> Flushes a file that is open for writing to the storage device.

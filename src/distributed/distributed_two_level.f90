@@ -8,7 +8,7 @@
 !! R takes the unknowns of a domain from all, U is the incomplete factor of A on the domain, and D is diagonal with 1 / sqrt(m) at
 !! an unknown of m domains, so that D R'R D sums to the identity and the sum stays symmetric. With the layer in common, iterations
 !! hardly grow with the number of ranks; without it they grow by a quarter (decision 0012). Z'AZ is the sum of what each rank
-!! computes from its rows, and is factorized on all ranks.
+!! computes from its rows; its factor is divided among the ranks, if they are few (`divided_coarse_factor`).
 !!
 !! A whole matrix is divided by copies of its entries. Of a matrix of which each rank has the part of its own elements, the entries
 !! on the borders are exchanged (`domain_matrix`).
@@ -17,19 +17,19 @@
 !! rows of D of its own unknowns; their columns lie on its domain, because D has the pattern of A.
 !!
 !! An iteration has three messages to each neighbour (the direction; the residual; what U gives in the halo), a sum of the coarse
-!! residual Z'r and four scalars; with GMRES a scalar for each vector kept. Sums are in the order of the ranks. Conjugate
-!! gradients and GMRES apply the second level to what the first one leaves, as on one rank: one message more, and a little more than
-!! half of the iterations.
+!! residual Z'r, of its border if the factor of Z'AZ is divided, and four scalars; with GMRES a scalar for each vector kept. Sums
+!! are in the order of the ranks. Conjugate gradients and GMRES apply the second level to what the first one leaves, as on one
+!! rank: one message more, and a little more than half of the iterations.
 !! References: those of `two_level_preconditioner`; Cai and Sarkis, SIAM J. Sci. Comput. 21 (1999) 792, and Smith, Bjorstad, Gropp,
 !! Domain Decomposition, Cambridge 1996, sec. 1.3 (domains with a common layer).
 module amontons_distributed_two_level
   use amontons_kinds, only: DP, I64
-  use amontons_containers, only: owners_of_entries
   use amontons_errors, only: error_type, set_error, EXIT_INTERNAL
-  use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply, multiply_symmetric, alike_rows
+  use amontons_sparse, only: sparse_type, multiply, multiply_symmetric, alike_rows
   use amontons_krylov, only: operator_type, krylov_options_type, krylov_report_type, conjugate_gradients, gmres
   use amontons_two_level_preconditioner, only: two_level_preconditioner_type, take_coarse_space, factorise_first_level, &
     factorise_second_level, apply_first_level, restrict_residual, solve_second_level, add_correction, discard_preconditioner
+  use amontons_divided_coarse_factor, only: divided_coarse_factor_type
   use amontons_halo, only: halo_type, halo_list_type, find_halo, list_halos, find_halo_in_lists, fill_halo, return_halo
   use amontons_domain_matrix, only: domain_sum_type, plan_domain_sum, sum_domain
   use amontons_mpi_ranks, only: this_rank, n_ranks, sum_over_ranks, join_parts, min_over_ranks, share_error
@@ -49,7 +49,7 @@ module amontons_distributed_two_level
     integer(I64) :: n_entries = 0                  !< of A
     type(two_level_preconditioner_type) :: levels  !< U of the domain; Z on the domain; the factor of Z'AZ
     real(DP), allocatable :: weight(:)             !< D on the domain [-]
-    integer :: n_coarse = 0                        !< rows of Z'AZ
+    integer :: n_coarse = 0                        !< coarse unknowns that an iteration sums over the ranks
     integer :: n_iterations = 0                    !< applications of the preconditioner so far
     real(DP) :: most(5) = 0                        !< of all ranks: own unknowns, halo, neighbours, messages and bytes sent so far
   end type distributed_two_level_type
@@ -109,6 +109,8 @@ contains
     call sum_over_ranks(n_entries)
     self%n_entries = nint(n_entries(1), I64)
     call take_coarse_space(self%levels, coarse_space, self%halo%unknown)
+    self%levels%n_own = self%halo%n_own
+    if (.not. allocated(self%levels%coarse_factor)) allocate (divided_coarse_factor_type :: self%levels%coarse_factor)
     self%weight = [1.0_DP / sqrt(self%halo%n_holders), (0.0_DP, i=self%halo%n_own + 1, size(self%halo%unknown))]
     call fill_halo(self%halo, self%weight)
   end subroutine create_distributed_two_level
@@ -196,9 +198,13 @@ contains
     if (.not. allocated(self%matrix%value)) allocate (self%matrix%value(size(self%matrix%column)))
     call renew_distributed_matrix(self, matrix)
     call share_matrix(self)
-    call factorise_second_level(self%levels, self%matrix, self%n_entries, error, sum_matrix_over_ranks)
+    call factorise_second_level(self%levels, self%matrix, self%n_entries, error)
     call share_error(error)
     if (allocated(error)) return
+    select type (factor => self%levels%coarse_factor)
+    type is (divided_coarse_factor_type)
+      self%n_coarse = factor%n_summed
+    end select
     call renew_distributed_matrix(self, matrix)
     call factorise_first_level(self%levels, self%matrix, is_broken)
     shift = -min_over_ranks(-self%levels%incomplete%shift)
@@ -233,20 +239,6 @@ contains
       end do
     end do
   end subroutine share_matrix
-
-
-  !> The sum of a square matrix over the ranks, whose patterns may differ.
-  subroutine sum_matrix_over_ranks(coarse, error)
-    type(sparse_type), intent(inout) :: coarse
-    type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: row(:), column(:), value(:)
-    integer :: n
-    call join_parts(real(owners_of_entries(coarse%first), DP), row)
-    call join_parts(real(coarse%column, DP), column)
-    call join_parts(coarse%value, value)
-    n = coarse%n_rows
-    call sparse_from_triplets(n, n, nint(row), nint(column), value, coarse, error)
-  end subroutine sum_matrix_over_ranks
 
 
   !> z ~ inv(A) r of whole vectors, by one application of the preconditioner.
@@ -443,8 +435,6 @@ contains
       on_domain(:size(r)) = r
       on_domain(size(r) + 1:) = 0
       call restrict_residual(solver%levels, on_domain, c)
-      call sum_over_ranks(c)
-      solver%n_coarse = size(c)
       call solve_second_level(solver%levels, c)
       correction = 0
       call add_correction(solver%levels, c, correction)

@@ -6,13 +6,13 @@
 !! that all ranks decide alike. One process without MPI is rank 0 of 1: then each procedure leaves its argument as it is.
 module amontons_mpi_ranks
   use, intrinsic :: iso_c_binding, only: c_int, c_double, c_int64_t, c_char
-  use amontons_kinds, only: DP
+  use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_USAGE
   implicit none
   private
   public :: begin_ranks, end_ranks, join_ranks, leave_ranks, this_rank, n_ranks, is_first_rank, is_last_rank
-  public :: sum_over_ranks, gather_parts, join_parts, exchange_with_ranks, min_over_ranks, share_error, check_agreement, &
-    is_shared_by_ranks, abort_ranks
+  public :: sum_over_ranks, gather_parts, join_parts, exchange_with_ranks, min_over_ranks, broadcast_words, share_error, &
+    check_agreement, is_shared_by_ranks, abort_ranks
 
   real(DP), parameter :: SECONDS_TO_MEET = 15.0_DP   !< in which an error that all ranks share reaches all [s]
   ! Of amontons_ranks_join.
@@ -250,6 +250,27 @@ contains
       text(i:i) = bytes(i)
     end do
   end subroutine broadcast_text
+
+
+  !> Words of one rank on all ranks.
+  subroutine broadcast_words(words, root)
+    integer(I64), allocatable, intent(inout) :: words(:)   !< in: of the rank; out: the same on all
+    integer, intent(in) :: root                    !< the rank
+    character(1, c_char), allocatable :: bytes(:)
+    real(DP) :: length(1)
+    if (n_ranks_c() == 1) return
+    length = 0
+    if (root == this_rank()) length = real(size(words), DP)
+    call sum_over_ranks(length)
+    if (root /= this_rank()) then
+      if (allocated(words)) deallocate (words)
+      allocate (words(nint(length(1))))
+    end if
+    allocate (bytes(8 * size(words)))
+    if (root == this_rank()) bytes = transfer(words, bytes)
+    call broadcast_c(bytes, size(bytes, kind=c_int), int(root, c_int))
+    if (root /= this_rank()) words = transfer(bytes, words)
+  end subroutine broadcast_words
 
 
   !> Checks that all ranks give the same numbers. Errors: EXIT_USAGE on all.

@@ -4,6 +4,8 @@
 !! All files are written at a commit, from the committed state alone. The checkpoint comes last: at any moment it and the files
 !! belong to one commit, or the checkpoint contains the pages that restore the files to that commit. Partitions of the results are
 !! written before the file that ties them.
+!!
+!! Of several ranks the first one writes the result file and the texts, the second one the checkpoint meanwhile, the last one .frd.
 module amontons_job_files
   use amontons_kinds, only: DP, I64
   use amontons_text, only: NEWLINE, to_text, plural
@@ -25,13 +27,15 @@ module amontons_job_files
     sync_text_output, text_output_lengths, check_text_output, close_text_output
   use amontons_frd_output, only: frd_type, open_frd, is_frd_open, write_frd_mesh, resume_frd, write_frd, frd_file_counts, &
     sync_frd, close_frd
-  use amontons_checkpoint, only: snapshot_type, output_lengths_type, write_checkpoint, read_checkpoint, pack_state
+  use amontons_checkpoint, only: snapshot_type, output_lengths_type, checkpoint_draft_type, begin_checkpoint, place_checkpoint, &
+    discard_checkpoint, pack_lengths, read_checkpoint, pack_state
   use amontons_restart_file, only: restart_file_type, state_key_type, create_restart_file, reopen_restart_file, append_restart_state
   use amontons_driven_loads, only: driven_loads_type
   use amontons_result_partitions, only: partition_ending
   use amontons_partition_files, only: partition_files_type, divide_results, create_partitions, resume_partitions, &
     write_partition_models, write_partitions, export_partition_pages, apply_partition_pages, close_partitions, discard_partitions
-  use amontons_mpi_ranks, only: is_first_rank, is_last_rank, min_over_ranks, sum_over_ranks, share_error
+  use amontons_mpi_ranks, only: this_rank, n_ranks, is_first_rank, is_last_rank, min_over_ranks, sum_over_ranks, &
+    broadcast_words, share_error
   implicit none
   private
   public :: analysis_type, is_at_end, is_batch, open_files, reopen_files, write_committed, close_files, describe_result_files
@@ -71,6 +75,7 @@ module amontons_job_files
     logical :: is_step_start = .true.              !< the next increment is the first of its step
     integer(I64) :: lengths(3) = 0                 !< of .sta, .cvg, .dat at the last commit [bytes]
     integer(I64) :: frd_counts(3) = 0              !< the same for .frd: bytes, frames, blocks
+    type(checkpoint_draft_type), allocatable :: draft   !< checkpoint of the last commit that this rank has begun
     logical :: is_guarded = .false.                !< the checkpoint is that of the last commit
     integer(I64) :: checkpoint_clock = 0                !< when the last checkpoint was written
     real(DP) :: checkpoint_seconds = 0                  !< its duration [s]
@@ -263,14 +268,36 @@ contains
   end subroutine reopen_first_files
 
 
-  !> Writes the iterations and attempts since the last commit, and the fields of the last increment; then the checkpoint, if it is
+  !> Writes the iterations and attempts since the last commit, and the fields of the last increment; and the checkpoint, if it is
   !! due.
   subroutine write_committed(analysis, first, error)
     type(analysis_type), intent(inout) :: analysis
     integer, intent(in) :: first                   !< record
     type(error_type), allocatable, intent(out) :: error
-    type(error_type), allocatable :: text_error
     logical :: is_due
+    is_due = .false.
+    if (is_first_rank()) is_due = is_checkpoint_due(analysis)      ! its clock decides for all
+    is_due = min_over_ranks(merge(-1.0_DP, 0.0_DP, is_due)) < 0.0_DP
+    if (is_due) is_due = .not. is_finished(analysis)
+    call write_increment_files(analysis, first, is_due, error)
+    if (.not. allocated(error)) call share_frd_counts(analysis, is_due, error)
+    if (allocated(error)) then
+      call discard_draft(analysis)
+      return
+    end if
+    call text_output_lengths(analysis%text_output, analysis%lengths)
+    analysis%is_guarded = .false.
+    if (is_due) call save_checkpoint(analysis, .false., error)
+  end subroutine write_committed
+
+
+  !> All but the end of the checkpoint. Collective; an error of one rank is that of all.
+  subroutine write_increment_files(analysis, first, is_due, error)
+    type(analysis_type), intent(inout) :: analysis
+    integer, intent(in) :: first                   !< record
+    logical, intent(in) :: is_due                  !< a checkpoint follows
+    type(error_type), allocatable, intent(out) :: error
+    type(error_type), allocatable :: text_error
     if (is_first_rank()) call write_attempts(analysis, first, analysis%n_records - 1, error)
     analysis%n_iterations = 0
     call share_error(error)
@@ -292,18 +319,9 @@ contains
         if (is_first_rank()) call keep_state(analysis, record, error)
       end if
     end associate
+    if (is_due .and. .not. allocated(error)) call begin_draft(analysis)
     call share_error(error)
-    if (allocated(error)) return
-    is_due = .false.
-    if (is_first_rank()) is_due = is_checkpoint_due(analysis)      ! its clock decides for all
-    is_due = min_over_ranks(merge(-1.0_DP, 0.0_DP, is_due)) < 0.0_DP
-    if (is_due) is_due = .not. is_finished(analysis)
-    call share_frd_counts(analysis, is_due, error)
-    if (allocated(error)) return
-    call text_output_lengths(analysis%text_output, analysis%lengths)
-    analysis%is_guarded = .false.
-    if (is_due) call save_checkpoint(analysis, .false., error)
-  end subroutine write_committed
+  end subroutine write_increment_files
 
 
   !> Writes .sta, .cvg, .dat and .frd as far as this rank has opened them; a second thread can compress the result file meanwhile.
@@ -403,8 +421,8 @@ contains
     integer(I64) :: start, rate
     if (.not. analysis%options%is_guarded) return
     call system_clock(start)
+    call begin_draft(analysis)
     files%n_partitions = analysis%n_partitions
-    files%has_points = .not. is_finished(analysis)
     call export_partition_pages(analysis%partition_files, is_old, files%partition_pages, error)
     if (is_first_rank() .and. .not. allocated(error)) then
       call export_result_pages(analysis%results, is_old, files%pages, error)
@@ -412,8 +430,10 @@ contains
       files%lengths = analysis%lengths
       files%frd = analysis%frd_counts
       files%restart_file = [analysis%restart_file%last, analysis%restart_file%end, int(analysis%restart_file%step, I64)]
-      if (.not. allocated(error)) call write_snapshot(analysis, files, error)
     end if
+    call share_error(error)
+    if (.not. allocated(error)) call complete_draft(analysis, files, error)
+    call discard_draft(analysis)
     call share_error(error)
     if (.not. allocated(error)) call apply_partition_pages(analysis%partition_files, error)
     call share_error(error)
@@ -434,19 +454,47 @@ contains
   end subroutine discard_files
 
 
-  !> Writes the checkpoint of the last commit.
-  subroutine write_snapshot(analysis, files, error)
+  !> The second rank, if there are several, begins the checkpoint of the last commit, unless it has done so.
+  subroutine begin_draft(analysis)
+    type(analysis_type), intent(inout) :: analysis
+    character(:), allocatable :: path
+    logical :: has_points
+    integer :: rank, writer
+    rank = this_rank()
+    writer = min(1, n_ranks() - 1)
+    if (.not. analysis%options%is_guarded .or. allocated(analysis%draft) .or. rank /= writer) return
+    path = job_path(analysis%options, '.restart')
+    has_points = .not. is_finished(analysis)
+    allocate (analysis%draft)
+    if (is_batch(analysis)) then
+      call begin_checkpoint(analysis%draft, path, analysis%model, analysis%snapshot, has_points, analysis%state%old)
+    else
+      call begin_checkpoint(analysis%draft, path, analysis%model, analysis%snapshot, has_points)
+    end if
+  end subroutine begin_draft
+
+
+  !> It appends the lengths of the first rank and puts the checkpoint in its place.
+  subroutine complete_draft(analysis, files, error)
     type(analysis_type), intent(inout) :: analysis
     type(output_lengths_type), intent(inout) :: files   !< not changed
     type(error_type), allocatable, intent(out) :: error
-    character(:), allocatable :: path
-    path = job_path(analysis%options, '.restart')
-    if (is_batch(analysis)) then
-      call write_checkpoint(path, analysis%model, analysis%snapshot, files, error, analysis%state%old)
-    else
-      call write_checkpoint(path, analysis%model, analysis%snapshot, files, error)
-    end if
-  end subroutine write_snapshot
+    integer(I64), allocatable :: words(:)
+    if (is_first_rank()) call pack_lengths(files, words)
+    call broadcast_words(words, 0)
+    if (.not. allocated(analysis%draft)) return
+    call place_checkpoint(analysis%draft, words, error)
+    deallocate (analysis%draft)
+  end subroutine complete_draft
+
+
+  !> Removes a checkpoint that this rank has begun and not placed.
+  subroutine discard_draft(analysis)
+    type(analysis_type), intent(inout) :: analysis
+    if (.not. allocated(analysis%draft)) return
+    call discard_checkpoint(analysis%draft)
+    deallocate (analysis%draft)
+  end subroutine discard_draft
 
 
   !> Packs the last commit into words.

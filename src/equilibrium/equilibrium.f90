@@ -680,15 +680,16 @@ contains
     real(DP), intent(in) :: field(:, :)            !< (3, n_nodes) R or the residual at the present gaps [force]
     real(DP), intent(in) :: u(:, :)                !< (3, n_nodes) [length]
     real(DP) :: last_digit                         ! [length]
-    real(DP), allocatable :: of_node(:)            ! (n_nodes) [force]
+    real(DP) :: length                             ! of the unit of the node's unknowns: 1 but for rotations [-]
     integer :: i
     last_digit = ROUNDING_FACTOR * epsilon(1.0_DP) * maxval(max_components(system, u, 1))
-    allocate (of_node(size(u, 2)))
+    largest = 0
+    length = 1
     do i = 1, size(u, 2)
-      of_node(i) = maxval(abs(field(:, i)) - last_digit * abs(diagonal_stiffness(system, i)))
+      if (size(system%rotation_length) > 0) length = system%rotation_length(i)
+      if (maxval(abs(field(:, i))) <= largest * length) cycle   ! K is looked up for few nodes
+      largest = max(largest, maxval(abs(field(:, i)) - last_digit * abs(diagonal_stiffness(system, i))) / length)
     end do
-    if (size(system%rotation_length) > 0) of_node = of_node / system%rotation_length
-    largest = max(0.0_DP, maxval(of_node))
   end function largest_above_rounding
 
 

@@ -14,7 +14,7 @@ module amontons_factorization
   private
   public :: cholesky_type, lu_type
   public :: analyse, factorise, round_factor, solve, estimate_memory, lu_factorise, lu_solve, set_blas_threads, choose_blas_kernels
-  public :: elimination_order, trailing_block, solve_forward, solve_backward
+  public :: elimination_order, trailing_block, solve_forward, solve_backward, eliminate_inner, substitute_inner
   public :: FACTOR_OK, FACTOR_NOT_POSITIVE, FACTOR_NEARLY_SINGULAR, FACTOR_NOT_FINITE, TOL_PIVOT
 
   integer, parameter :: FACTOR_OK = 0               !< the factor can be used
@@ -73,13 +73,14 @@ module amontons_factorization
       type(c_ptr), value :: handle
     end subroutine cholesky_free
 
-    function cholesky_analyse(handle, n, first, column, permutation, statistics) &
+    function cholesky_analyse(handle, n, first, column, permutation, n_last, statistics) &
       bind(C, name='amontons_cholesky_analyse') result(status)
       import :: c_ptr, c_int, c_double
       type(c_ptr), value :: handle
       integer(c_int), value :: n
       integer(c_int), intent(in) :: first(*), column(*)
       integer(c_int), intent(in), optional :: permutation(*)
+      integer(c_int), value :: n_last
       real(c_double), intent(out) :: statistics(4)
       integer(c_int) :: status
     end function cholesky_analyse
@@ -131,6 +132,14 @@ module amontons_factorization
       integer(c_int) :: status
     end function cholesky_half_solve
 
+    function cholesky_solve_inner(handle, is_backward, n_last, x) bind(C, name='amontons_cholesky_solve_inner') result(status)
+      import :: c_ptr, c_int, c_double
+      type(c_ptr), value :: handle
+      integer(c_int), value :: is_backward, n_last
+      real(c_double), intent(inout) :: x(*)
+      integer(c_int) :: status
+    end function cholesky_solve_inner
+
     function lu_new() bind(C, name='amontons_lu_new') result(handle)
       import :: c_ptr
       type(c_ptr) :: handle
@@ -177,13 +186,16 @@ contains
   !> Orders the unknowns and finds the pattern of the factor, for all matrices of this pattern.
   !> After it, estimate_memory and the statistics are known; the values are not used. An earlier analysis is discarded,
   !> but its memory is reused.
-  subroutine analyse(factor, matrix, permutation, error)
+  subroutine analyse(factor, matrix, permutation, error, n_last)
     type(cholesky_type), intent(inout) :: factor         !< new, or used before
     type(sparse_type), intent(in) :: matrix            !< symmetric, upper triangle with its diagonal
     integer, intent(in), optional :: permutation(:)    !< (n) unknown that comes k-th, from 1; default: METIS decides
+    integer, intent(in), optional :: n_last            !< so many last unknowns can be left out of a solution; default: 0
     type(error_type), allocatable, intent(out) :: error
     real(DP) :: statistics(4)
-    integer :: status
+    integer :: status, n_apart
+    n_apart = 0
+    if (present(n_last)) n_apart = n_last
     call reset_statistics(factor)
     factor%n_unknowns = matrix%n_rows
     if (matrix%n_rows == 0) return
@@ -194,10 +206,10 @@ contains
     end if
     if (present(permutation)) then
       status = cholesky_analyse(factor%handle, matrix%n_rows, matrix%first - 1, matrix%column - 1, permutation - 1, &
-                                statistics)
+                                n_apart, statistics)
     else
       status = cholesky_analyse(factor%handle, matrix%n_rows, matrix%first - 1, matrix%column - 1, &
-                                statistics=statistics)
+                                n_last=n_apart, statistics=statistics)
     end if
     call set_solver_error(status, estimate_memory(factor), error)
     if (allocated(error)) then
@@ -278,7 +290,7 @@ contains
   subroutine elimination_order(factor, order)
     type(cholesky_type), intent(in) :: factor            !< analysed
     integer, intent(out) :: order(:)                   !< (n) unknown that comes k-th, from 1
-    call cholesky_order(factor%handle, order)
+    if (factor%n_unknowns > 0) call cholesky_order(factor%handle, order)
     order = order + 1
   end subroutine elimination_order
 
@@ -287,7 +299,7 @@ contains
   subroutine trailing_block(factor, block)
     type(cholesky_type), intent(in) :: factor            !< ready
     real(DP), intent(out) :: block(:, :)               !< (m, m)
-    call cholesky_trailing(factor%handle, size(block, 1), block)
+    if (size(block) > 0) call cholesky_trailing(factor%handle, size(block, 1), block)
   end subroutine trailing_block
 
 
@@ -307,6 +319,27 @@ contains
     real(DP), intent(out) :: x(:)                      !< (n)
     if (cholesky_half_solve(factor%handle, 1, b, x) /= 0) x = 0   ! cannot be: see solve_one
   end subroutine solve_backward
+
+
+  !> The first half of a solution without the last unknowns, in the order of elimination, by a factor that was rounded:
+  !! x = [inv(L_11) b_1; b_2 - L_21 inv(L_11) b_1].
+  subroutine eliminate_inner(factor, n_last, x)
+    type(cholesky_type), intent(in) :: factor            !< ready, analysed with n_last
+    integer, intent(in) :: n_last
+    real(DP), intent(inout) :: x(:)                    !< (n) in: b
+    if (factor%n_unknowns == 0) return
+    if (cholesky_solve_inner(factor%handle, 0, n_last, x) /= 0) x = 0   ! cannot be: see solve_one
+  end subroutine eliminate_inner
+
+
+  !> The second half: x_1 = inv(L_11') (b_1 - L_21' x_2).
+  subroutine substitute_inner(factor, n_last, x)
+    type(cholesky_type), intent(in) :: factor            !< ready, analysed with n_last
+    integer, intent(in) :: n_last
+    real(DP), intent(inout) :: x(:)                    !< (n) in: b_1 and x_2
+    if (factor%n_unknowns == 0) return
+    if (cholesky_solve_inner(factor%handle, 1, n_last, x) /= 0) x = 0   ! cannot be: see solve_one
+  end subroutine substitute_inner
 
 
   !> Memory that the factorisation takes, known after the analysis [megabytes].

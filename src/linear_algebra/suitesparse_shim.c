@@ -176,18 +176,26 @@ static size_t panel_width(size_t columns)
   return (columns + n - 1) / n;
 }
 
-/* Cuts supernodes of many columns into panels, each with the rows from its own first column on, so that
- * little memory is wasted above the diagonal of a block. */
-static int cut_supernodes(cholmod_factor *l, cholmod_common *c)
+/* The first column behind a panel that begins at `first`: of at most `width` columns, and not across the border. */
+static int panel_end(int first, size_t width, int end, int border)
+{
+  int last = first + (int)width < end ? first + (int)width : end;
+  return first < border && border < last ? border : last;
+}
+
+/* Cuts supernodes of many columns, and one with columns on both sides of the border, into panels, each with the rows from its own
+ * first column on, so that little memory is wasted above the diagonal of a block. */
+static int cut_supernodes(cholmod_factor *l, int border, cholmod_common *c)
 {
   const int *super = l->super, *pi = l->pi, *rows = l->s;
   size_t n = 0, n_rows = 0, n_numbers = 0, n_old = l->nsuper + 1, k = 0;
   for (size_t s = 0; s < l->nsuper; s++) {
-    size_t all = (size_t)(super[s + 1] - super[s]), width = panel_width(all), length = (size_t)(pi[s + 1] - pi[s]);
-    for (size_t first = 0; first < all; first += width) {
+    size_t width = panel_width((size_t)(super[s + 1] - super[s])), length = (size_t)(pi[s + 1] - pi[s]);
+    for (int first = super[s], end; first < super[s + 1]; first = end) {
+      end = panel_end(first, width, super[s + 1], border);
       n++;
-      n_rows += length - first;
-      n_numbers += (length - first) * (first + width < all ? width : all - first);
+      n_rows += length - (size_t)(first - super[s]);
+      n_numbers += (length - (size_t)(first - super[s])) * (size_t)(end - first);
     }
   }
   if (n == l->nsuper) return 1;
@@ -196,13 +204,15 @@ static int cut_supernodes(cholmod_factor *l, cholmod_common *c)
   int is_done = super_new && pi_new && px_new && rows_new;
   if (is_done) pi_new[0] = px_new[0] = super_new[0] = 0;
   for (size_t s = 0; s < l->nsuper && is_done; s++) {
-    int all = super[s + 1] - super[s], width = (int)panel_width((size_t)all), length = pi[s + 1] - pi[s];
-    for (int first = 0; first < all; first += width, k++) {
-      int columns = first + width < all ? width : all - first;
-      memcpy(rows_new + pi_new[k], rows + pi[s] + first, (size_t)(length - first) * sizeof(int));
-      super_new[k + 1] = super_new[k] + columns;
-      pi_new[k + 1] = pi_new[k] + length - first;
-      px_new[k + 1] = px_new[k] + (length - first) * columns;
+    size_t width = panel_width((size_t)(super[s + 1] - super[s]));
+    int length = pi[s + 1] - pi[s];
+    for (int first = super[s], end; first < super[s + 1]; first = end, k++) {
+      int before = first - super[s];
+      end = panel_end(first, width, super[s + 1], border);
+      memcpy(rows_new + pi_new[k], rows + pi[s] + before, (size_t)(length - before) * sizeof(int));
+      super_new[k + 1] = end;
+      pi_new[k + 1] = pi_new[k] + length - before;
+      px_new[k + 1] = px_new[k] + (length - before) * (end - first);
     }
   }
   if (!is_done) {
@@ -236,9 +246,9 @@ static int threads_worth(double operations)
 }
 
 /* Orders and analyses a symmetric matrix: upper triangle by rows, every diagonal entry present. Without a permutation
- * (NULL) METIS orders the unknowns. Statistics: entries of L; multiplications and additions; bytes needed for factor,
- * permuted matrix and work; supernodes. */
-int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int *permutation, double statistics[4])
+ * (NULL) METIS orders the unknowns. The last n_last of the order are in supernodes of their own. Statistics: entries of L;
+ * multiplications and additions; bytes needed for factor, permuted matrix and work; supernodes. */
+int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int *permutation, int n_last, double statistics[4])
 {
   cholesky *self = handle;
   cholmod_common *c = &self->common;
@@ -249,7 +259,7 @@ int amontons_cholesky_analyse(void *handle, int n, int *first, int *column, int 
     .itype = CHOLMOD_INT, .xtype = CHOLMOD_PATTERN, .dtype = CHOLMOD_DOUBLE, .sorted = 1, .packed = 1};
   c->method[0].ordering = permutation ? CHOLMOD_GIVEN : CHOLMOD_METIS;
   self->factor = cholmod_analyze_p(&matrix, permutation, NULL, 0, c);
-  if (self->factor && c->status == CHOLMOD_OK) cut_supernodes(self->factor, c);
+  if (self->factor && c->status == CHOLMOD_OK) cut_supernodes(self->factor, n - n_last, c);
   if (self->factor && c->status == CHOLMOD_OK) permute_pattern(self, n, first, column);
   if (self->factor && c->status == CHOLMOD_OK) {
     const cholmod_factor *l = self->factor;
@@ -370,8 +380,8 @@ static int solve_single(cholesky *self, const double *b, double *x)
   for (size_t k = 0; k < n; k++) largest = fmax(largest, fabs(b[k]));
   if (!(largest > 0)) largest = 1;
   for (size_t k = 0; k < n; k++) permuted[k] = (float)(b[order[k]] / largest);
-  int is_done = amontons_plan_forward_single(self->plan, self->factor, permuted) &&
-                amontons_plan_backward_single(self->plan, self->factor, permuted);
+  int is_done = amontons_plan_forward_single(self->plan, self->factor, (int)self->factor->n, permuted) &&
+                amontons_plan_backward_single(self->plan, self->factor, (int)self->factor->n, permuted);
   for (size_t k = 0; k < n; k++) x[order[k]] = largest * permuted[k];
   free(permuted);
   return is_done;
@@ -392,8 +402,8 @@ int amontons_cholesky_solve(void *handle, int n_columns, const double *b, double
   int is_done = permuted != NULL;
   for (int c = 0; c < n_columns && is_done; c++, b += n, x += n) {
     for (size_t k = 0; k < n; k++) permuted[k] = b[order[k]];
-    is_done = amontons_plan_forward(self->plan, self->factor, permuted) &&
-              amontons_plan_backward(self->plan, self->factor, permuted);
+    is_done = amontons_plan_forward(self->plan, self->factor, (int)self->factor->n, permuted) &&
+              amontons_plan_backward(self->plan, self->factor, (int)self->factor->n, permuted);
     for (size_t k = 0; k < n; k++) x[order[k]] = permuted[k];
   }
   free(permuted);
@@ -428,8 +438,29 @@ int amontons_cholesky_half_solve(void *handle, int is_backward, const double *b,
 {
   cholesky *self = handle;
   memcpy(x, b, self->factor->n * sizeof *x);
-  int is_done = is_backward ? amontons_plan_backward(self->plan, self->factor, x)
-                            : amontons_plan_forward(self->plan, self->factor, x);
+  int is_done = is_backward ? amontons_plan_backward(self->plan, self->factor, (int)self->factor->n, x)
+                            : amontons_plan_forward(self->plan, self->factor, (int)self->factor->n, x);
+  return is_done ? DONE : NO_MEMORY;
+}
+
+/* The first or, with `is_backward`, the second half of a solve with a factor in single precision, in the order of elimination, but
+ * for the last n_last unknowns, which have supernodes of their own: x = [inv(L_11) b_1; b_2 - L_21 inv(L_11) b_1], or
+ * x_1 = inv(L_11') (b_1 - L_21' x_2). */
+int amontons_cholesky_solve_inner(void *handle, int is_backward, int n_last, double *x)
+{
+  cholesky *self = handle;
+  const size_t n = self->factor->n;
+  const int limit = (int)n - n_last;
+  double largest = 0;
+  float *scaled = malloc((n + 1) * sizeof *scaled);
+  if (!scaled) return NO_MEMORY;
+  for (size_t k = 0; k < n; k++) largest = fmax(largest, fabs(x[k]));
+  if (!(largest > 0)) largest = 1;
+  for (size_t k = 0; k < n; k++) scaled[k] = (float)(x[k] / largest);
+  int is_done = is_backward ? amontons_plan_backward_single(self->plan, self->factor, limit, scaled)
+                            : amontons_plan_forward_single(self->plan, self->factor, limit, scaled);
+  for (size_t k = 0; k < n; k++) x[k] = largest * scaled[k];
+  free(scaled);
   return is_done ? DONE : NO_MEMORY;
 }
 

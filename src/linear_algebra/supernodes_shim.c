@@ -69,6 +69,11 @@ static node node_of(const cholmod_factor *l, int s)
     l->x ? (double *)l->x + px[s] : NULL};
 }
 
+static int is_before(const cholmod_factor *l, int s, int limit)
+{
+  return ((const int *)l->super)[s] < limit;
+}
+
 void amontons_plan_free(supernode_plan *plan)
 {
   if (!plan) return;

@@ -10,9 +10,9 @@ supernode_plan *amontons_plan_new(const cholmod_factor *l, int n_parts);
 void amontons_plan_free(supernode_plan *plan);
 int amontons_plan_parts(const supernode_plan *plan);
 int amontons_plan_factorise(const supernode_plan *plan, const cholmod_sparse *a, cholmod_factor *l);
-int amontons_plan_forward(const supernode_plan *plan, const cholmod_factor *l, double *x);
-int amontons_plan_backward(const supernode_plan *plan, const cholmod_factor *l, double *x);
-int amontons_plan_forward_single(const supernode_plan *plan, const cholmod_factor *l, float *x);
-int amontons_plan_backward_single(const supernode_plan *plan, const cholmod_factor *l, float *x);
+int amontons_plan_forward(const supernode_plan *plan, const cholmod_factor *l, int limit, double *x);
+int amontons_plan_backward(const supernode_plan *plan, const cholmod_factor *l, int limit, double *x);
+int amontons_plan_forward_single(const supernode_plan *plan, const cholmod_factor *l, int limit, float *x);
+int amontons_plan_backward_single(const supernode_plan *plan, const cholmod_factor *l, int limit, float *x);
 
 #endif

@@ -94,8 +94,8 @@ static void KIND(backward_together)(const cholmod_factor *l, int s, REAL *x, REA
   }
 }
 
-/* x = inv(L) x in the order of elimination. Returns 0 without memory. */
-int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor *l, REAL *x)
+/* x = inv(L) x in the order of elimination, by the supernodes before a column alone. Returns 0 without memory. */
+int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor *l, int limit, REAL *x)
 {
   int n_parts = plan->n_parts, is_poor = 0;
   size_t capacity = plan->n_above > 0 ? l->n : 1;
@@ -109,7 +109,7 @@ int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor
     for (int p = id; p < n_parts && !is_poor; p += team) {
       REAL *mine = above + (size_t)p * capacity;
       EACH_ABOVE(c) mine[c] = 0;
-      for (int k = plan->start[p]; k < plan->start[p + 1]; k++)
+      for (int k = plan->start[p]; k < plan->start[p + 1] && is_before(l, plan->members[k], limit); k++)
         KIND(forward_alone)(l, plan->members[k], plan->end[plan->members[k]], x, mine, product);
     }
 #pragma omp barrier
@@ -118,7 +118,7 @@ int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor
       EACH_ABOVE(c)
         for (int p = 0; p < n_parts; p++) x[c] += above[(size_t)p * capacity + (size_t)c];
 #pragma omp barrier
-    for (int k = plan->start[n_parts]; k < plan->n_supernodes && !is_poor; k++)
+    for (int k = plan->start[n_parts]; k < plan->n_supernodes && is_before(l, plan->members[k], limit) && !is_poor; k++)
       KIND(forward_together)(l, plan->members[k], x, product, id, team);
     free(product);
   }
@@ -126,8 +126,8 @@ int KIND(amontons_plan_forward)(const supernode_plan *plan, const cholmod_factor
   return !is_poor;
 }
 
-/* x = inv(L') x in the order of elimination. Returns 0 without memory. */
-int KIND(amontons_plan_backward)(const supernode_plan *plan, const cholmod_factor *l, REAL *x)
+/* x = inv(L') x in the order of elimination, by the supernodes before a column alone: behind it x is known. Returns 0 without memory. */
+int KIND(amontons_plan_backward)(const supernode_plan *plan, const cholmod_factor *l, int limit, REAL *x)
 {
   int n_parts = plan->n_parts, is_poor = 0;
 #pragma omp parallel num_threads(n_parts)
@@ -136,9 +136,10 @@ int KIND(amontons_plan_backward)(const supernode_plan *plan, const cholmod_facto
     REAL *gathered = malloc(((size_t)plan->max_rows + 1) * sizeof(REAL));
     join_team(gathered != NULL, &id, &team, &is_poor);
     for (int k = plan->n_supernodes - 1; k >= plan->start[n_parts] && !is_poor; k--)
-      KIND(backward_together)(l, plan->members[k], x, gathered, id, team);
+      if (is_before(l, plan->members[k], limit)) KIND(backward_together)(l, plan->members[k], x, gathered, id, team);
     for (int p = id; p < n_parts && !is_poor; p += team)
-      for (int k = plan->start[p + 1] - 1; k >= plan->start[p]; k--) KIND(backward_alone)(l, plan->members[k], x, gathered);
+      for (int k = plan->start[p + 1] - 1; k >= plan->start[p]; k--)
+        if (is_before(l, plan->members[k], limit)) KIND(backward_alone)(l, plan->members[k], x, gathered);
     free(gathered);
   }
   return !is_poor;

@@ -22,12 +22,12 @@ module amontons_two_level_preconditioner
   use amontons_kinds, only: DP, SP, I64
   use amontons_containers, only: list_groups
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, is_same_pattern, multiply, multiply_transpose, multiply_symmetric
+  use amontons_sparse, only: sparse_type, multiply, multiply_transpose, multiply_symmetric
   use amontons_midside_interpolation, only: build_midside_interpolation, project_to_corners
   use amontons_dense, only: solve_symmetric_eigen, DENSE_OK
   use amontons_point_partition, only: partition_points
   use amontons_incomplete_cholesky, only: incomplete_cholesky_type, factorise_incomplete, apply_incomplete, discard_incomplete
-  use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, FACTOR_OK
+  use amontons_coarse_factor, only: coarse_factor_type
 !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
@@ -57,8 +57,8 @@ module amontons_two_level_preconditioner
     real(SP), allocatable :: motion(:, :)              !< (6, n) rigid body motions of its part at each unknown, orthonormal
     type(sparse_type) :: interpolation                 !< P, in place of the motions as Z; not allocated: the motions serve
     logical :: has_coarse_space = .false.              !< Z'AZ is positive definite
-    type(sparse_type) :: coarse_pattern                !< of Z'AZ, as analysed
-    type(cholesky_type), allocatable :: coarse_factor  !< of Z'AZ, in single precision
+    integer :: n_own = -1                              !< unknowns of this rank, which come first; -1: ranks do not share A
+    class(coarse_factor_type), allocatable :: coarse_factor   !< of Z'AZ, in single precision
   end type two_level_preconditioner_type
 
   !> Blocks of the upper triangle of Z'AZ, of 6 x 6, in the order in which they were made; those of one place are added.
@@ -67,15 +67,6 @@ module amontons_two_level_preconditioner
     integer, allocatable :: row(:), column(:)          !< (at least n) parts, row <= column
     real(DP), allocatable :: value(:, :, :)            !< (6, 6, at least n)
   end type block_list_type
-
-  abstract interface
-    !> Completes the coarse matrix of a part of A to that of A.
-    subroutine complete_interface(coarse, error)
-      import :: sparse_type, error_type
-      type(sparse_type), intent(inout) :: coarse
-      type(error_type), allocatable, intent(out) :: error
-    end subroutine complete_interface
-  end interface
 
 contains
 
@@ -281,7 +272,6 @@ contains
     self%n_parts = 0
     self%has_coarse_space = .false.
     if (allocated(self%coarse_factor)) deallocate (self%coarse_factor)
-    if (allocated(self%coarse_pattern%first)) deallocate (self%coarse_pattern%first, self%coarse_pattern%column)
     if (allocated(self%part)) deallocate (self%part, self%motion)
     call discard_domains(self)
     self%interpolation = sparse_type()
@@ -296,58 +286,47 @@ contains
   end subroutine discard_domains
 
 
-  !> The factor of Z'AZ: of the corners of quadratic elements if it is small enough, else of the motions of the parts. Missing
-  !! motions get 1 on the diagonal. Without a positive definite Z'AZ there is no second level.
-  subroutine factorise_second_level(self, matrix, n_entries, error, complete)
+  !> The factor of Z'AZ: of the corners of quadratic elements if it is small enough, else of the motions of the parts. Without a
+  !! positive definite Z'AZ there is no second level.
+  subroutine factorise_second_level(self, matrix, n_entries, error)
     type(two_level_preconditioner_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: matrix            !< A, or a part: the sum over all parts is A
+    type(sparse_type), intent(in) :: matrix            !< A, or what this rank has of it
     integer(I64), intent(in) :: n_entries            !< of A
     type(error_type), allocatable, intent(out) :: error
-    procedure(complete_interface), optional :: complete   !< sums the coarse matrices of the parts
     type(sparse_type) :: coarse
-    integer :: i
     self%has_coarse_space = .false.
+    if (.not. allocated(self%coarse_factor)) allocate (self%coarse_factor)
     if (allocated(self%interpolation%first)) then
       call project_to_corners(self%interpolation, matrix, coarse, error)
-      if (present(complete) .and. .not. allocated(error)) call complete(coarse, error)
       if (allocated(error)) return
-      call factorise_coarse(self, coarse, MAX_CORNER_ENTRIES * real(n_entries, DP), error)
+      call self%coarse_factor%factorise(coarse, held_columns(self, coarse%n_rows), MAX_CORNER_ENTRIES * real(n_entries, DP), &
+        self%has_coarse_space, error)
       if (allocated(error) .or. self%has_coarse_space) return
       self%interpolation = sparse_type()
-      deallocate (self%coarse_factor)
     end if
     if (self%n_parts == 0) return
     call assemble_coarse_matrix(self, matrix, coarse)
-    if (present(complete)) call complete(coarse, error)
-    if (allocated(error)) return
-    do i = 1, coarse%n_rows
-      if (.not. abs(coarse%value(coarse%first(i))) > 0.0_DP) coarse%value(coarse%first(i)) = 1
-    end do
-    call factorise_coarse(self, coarse, huge(1.0_DP), error)
+    call self%coarse_factor%factorise(coarse, held_columns(self, coarse%n_rows), huge(1.0_DP), self%has_coarse_space, error)
   end subroutine factorise_second_level
 
 
-  !> The factor of a coarse matrix, in single precision, unless it has too many entries or is not positive definite.
-  subroutine factorise_coarse(self, coarse, max_entries, error)
-    type(two_level_preconditioner_type), intent(inout) :: self
-    type(sparse_type), intent(in) :: coarse
-    real(DP), intent(in) :: max_entries                !< of the factor
-    type(error_type), allocatable, intent(out) :: error
-    integer :: status
-    if (.not. allocated(self%coarse_factor)) allocate (self%coarse_factor)
-    if (.not. is_same_pattern(coarse, self%coarse_pattern)) then
-      call analyse(self%coarse_factor, coarse, error=error)
-      if (allocated(error)) return
-      self%coarse_pattern = sparse_type(coarse%n_rows, coarse%n_columns)
-      self%coarse_pattern%first = coarse%first
-      self%coarse_pattern%column = coarse%column
-    end if
-    if (self%coarse_factor%n_entries > max_entries) return
-    call factorise(self%coarse_factor, coarse, status, error=error)
-    if (allocated(error)) return
-    self%has_coarse_space = status == FACTOR_OK
-    if (self%has_coarse_space) call round_factor(self%coarse_factor)
-  end subroutine factorise_coarse
+  !> Which columns of Z have entries in rows of this rank.
+  pure function held_columns(self, n_columns) result(is_held)
+    type(two_level_preconditioner_type), intent(in) :: self
+    integer, intent(in) :: n_columns
+    logical :: is_held(n_columns)
+    integer :: i
+    is_held = self%n_own < 0
+    associate (P => self%interpolation)
+      do i = 1, self%n_own
+        if (allocated(P%first)) then
+          is_held(P%column(P%first(i):P%first(i + 1) - 1)) = .true.
+        else
+          is_held(6 * self%part(i) - 5:6 * self%part(i)) = .true.
+        end if
+      end do
+    end associate
+  end function held_columns
 
 
   !> Z'AZ, upper triangle. W = Z'BZ, where B is the upper triangle of A with half of its diagonal, gives Z'AZ = W + W'. W is
@@ -642,14 +621,11 @@ contains
   end subroutine restrict_residual
 
 
-  !> c becomes inv(Z'AZ) c.
+  !> c becomes inv(Z'AZ) c. If ranks share A, c is Z'r of own unknowns.
   subroutine solve_second_level(self, c)
     type(two_level_preconditioner_type), intent(in) :: self
     real(DP), allocatable, intent(inout) :: c(:)
-    real(DP), allocatable :: d(:)
-    allocate (d(size(c)))
-    call solve(self%coarse_factor, c, d)
-    call move_alloc(d, c)
+    call self%coarse_factor%solve(c)
   end subroutine solve_second_level
 
 

@@ -253,7 +253,7 @@ contains
     logical, intent(in), optional :: is_absent(:)  !< (n_elements) these elements connect nothing
     integer, allocatable :: parent(:)
     logical, allocatable :: is_present(:), has_element(:)
-    integer :: e, i, k
+    integer :: e, i, k, root
     allocate (is_present(mesh%n_elements), source=.true.)
     if (present(is_absent)) is_present = .not. is_absent
     parent = [(i, i=1, mesh%n_nodes)]
@@ -261,9 +261,12 @@ contains
     allocate (has_element(mesh%n_nodes), source=.false.)
     do e = 1, mesh%n_elements
       if (.not. is_present(e)) cycle
+      root = find_root(parent, mesh%nodes(mesh%first(e)))
       do k = mesh%first(e), mesh%first(e + 1) - 1
         has_element(mesh%nodes(k)) = .true.
-        call unite_trees(parent, mesh%nodes(mesh%first(e)), mesh%nodes(k))
+        if (parent(mesh%nodes(k)) == root) cycle   ! of most nodes of a large body
+        call unite_trees(parent, root, mesh%nodes(k))
+        root = find_root(parent, root)
       end do
     end do
     n = 0

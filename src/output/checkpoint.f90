@@ -11,7 +11,8 @@
 module amontons_checkpoint
   use amontons_kinds, only: DP, I64
   use amontons_errors, only: error_type, set_error, EXIT_IO
-  use amontons_posix, only: continue_checksum, new_file_type, start_new_file, append_words, place_new_file
+  use amontons_posix, only: continue_checksum, new_file_type, start_new_file, append_words, place_new_file, &
+    remove_new_file
   use amontons_model, only: model_type
   use amontons_steps, only: step_type
   use amontons_hdf5_file, only: hdf5_pages_type
@@ -24,8 +25,8 @@ module amontons_checkpoint
   use amontons_increment_control, only: increment_control_type
   implicit none
   private
-  public :: snapshot_type, output_lengths_type, take_snapshot, restore_snapshot, write_checkpoint, read_checkpoint, pack_state, &
-    unpack_state
+  public :: snapshot_type, output_lengths_type, checkpoint_draft_type, take_snapshot, restore_snapshot, begin_checkpoint, &
+    place_checkpoint, discard_checkpoint, pack_lengths, read_checkpoint, pack_state, unpack_state
 
   integer(I64), parameter :: MAGIC = transfer('AMONTONS', 0_I64)   !< as a number it also identifies the byte order
   integer(I64), parameter :: FORMAT_VERSION = 20
@@ -75,6 +76,12 @@ module amontons_checkpoint
     generic :: exchange => exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
     procedure, private :: exchange_integer, exchange_long, exchange_real, exchange_logical, exchange_vector, exchange_matrix
   end type packer_type
+
+  !> A checkpoint that is being written: it has the snapshot and waits for the lengths of the result files.
+  type :: checkpoint_draft_type
+    private
+    type(packer_type) :: packer
+  end type checkpoint_draft_type
 
 contains
 
@@ -183,27 +190,61 @@ contains
   end subroutine restore_node_order
 
 
-  !> Writes a checkpoint in place of the one before.
-  subroutine write_checkpoint(path, model, snapshot, files, error, committed)
+  !> Begins a checkpoint: writes the snapshot to a new file beside the one before. An error is kept until it is placed.
+  subroutine begin_checkpoint(draft, path, model, snapshot, has_points, committed)
+    type(checkpoint_draft_type), intent(out) :: draft
     character(*), intent(in) :: path
     type(model_type), intent(in) :: model
     type(snapshot_type), intent(inout) :: snapshot   !< not changed
-    type(output_lengths_type), intent(inout) :: files         !< not changed
-    type(error_type), allocatable, intent(out) :: error
+    logical, intent(in) :: has_points                !< .false.: the job is done, and the values at points are not written
     type(fields_type), intent(inout), optional :: committed   !< in place of those of the snapshot; not changed
-    type(packer_type) :: packer
     integer(I64) :: head(N_HEADER_WORDS)
-    allocate (packer%words(N_BUFFER_WORDS), packer%file)
-    call start_new_file(packer%file, path)
-    head = 0
-    call append_words(packer%file, head)
-    packer%n = N_HEADER_WORDS
-    packer%n_written = N_HEADER_WORDS
-    call exchange_all(packer, model, snapshot, files, committed)
-    call empty_buffer(packer)
-    head = [MAGIC, FORMAT_VERSION, packer%n, packer%checksum]
-    call place_new_file(packer%file, head, error)
-  end subroutine write_checkpoint
+    logical :: with_points
+    associate (packer => draft%packer)
+      allocate (packer%words(N_BUFFER_WORDS), packer%file)
+      call start_new_file(packer%file, path)
+      head = 0
+      call append_words(packer%file, head)
+      packer%n = N_HEADER_WORDS
+      packer%n_written = N_HEADER_WORDS
+      with_points = has_points
+      call exchange_snapshot(packer, model, snapshot, with_points, committed)
+      call empty_buffer(packer)
+    end associate
+  end subroutine begin_checkpoint
+
+
+  !> Completes a checkpoint and puts it in the place of the one before. Errors (EXIT_IO): the first one since its beginning.
+  subroutine place_checkpoint(draft, lengths, error)
+    type(checkpoint_draft_type), intent(inout) :: draft
+    integer(I64), intent(inout) :: lengths(:)        !< of pack_lengths; not changed
+    type(error_type), allocatable, intent(out) :: error
+    integer(I64) :: head(N_HEADER_WORDS)
+    associate (packer => draft%packer)
+      call exchange_words(packer, lengths)
+      call empty_buffer(packer)
+      head = [MAGIC, FORMAT_VERSION, packer%n, packer%checksum]
+      call place_new_file(packer%file, head, error)
+    end associate
+  end subroutine place_checkpoint
+
+
+  !> Removes a checkpoint that was begun: the one before stays.
+  subroutine discard_checkpoint(draft)
+    type(checkpoint_draft_type), intent(inout) :: draft
+    call remove_new_file(draft%packer%file)
+  end subroutine discard_checkpoint
+
+
+  !> The lengths and positions of the result files in words, for a checkpoint that another rank writes.
+  subroutine pack_lengths(files, words)
+    type(output_lengths_type), intent(inout) :: files   !< not changed
+    integer(I64), allocatable, intent(out) :: words(:)
+    type(packer_type) :: packer
+    allocate (packer%words(64))
+    call exchange_files(packer, files)
+    words = packer%words(:packer%n)
+  end subroutine pack_lengths
 
 
   !> Writes the words in the buffer to the file.
@@ -336,10 +377,22 @@ contains
     type(snapshot_type), intent(inout) :: snapshot
     type(output_lengths_type), intent(inout) :: files
     type(fields_type), intent(inout), optional :: committed   !< in place of those of the snapshot
+    call exchange_snapshot(packer, model, snapshot, files%has_points, committed)
+    call exchange_files(packer, files)
+  end subroutine exchange_all
+
+
+  !> All of them but the lengths of the result files.
+  subroutine exchange_snapshot(packer, model, snapshot, has_points, committed)
+    type(packer_type), intent(inout) :: packer
+    type(model_type), intent(in) :: model
+    type(snapshot_type), intent(inout) :: snapshot
+    logical, intent(inout) :: has_points
+    type(fields_type), intent(inout), optional :: committed   !< in place of those of the snapshot
     integer(I64) :: deck
     deck = model%deck_checksum
     call packer%exchange(deck)
-    call packer%exchange(files%has_points)
+    call packer%exchange(has_points)
     call exchange_stepping(packer, snapshot%stepping)
     call packer%exchange(snapshot%is_step_start)
     call packer%exchange(snapshot%force_scale)
@@ -352,12 +405,11 @@ contains
     call exchange_table(packer, 8, snapshot%driven)
     call packer%exchange(snapshot%friction)
     if (present(committed)) then
-      call exchange_fields(packer, committed, files%has_points)
+      call exchange_fields(packer, committed, has_points)
     else
-      call exchange_fields(packer, snapshot%fields, files%has_points)
+      call exchange_fields(packer, snapshot%fields, has_points)
     end if
-    call exchange_files(packer, files)
-  end subroutine exchange_all
+  end subroutine exchange_snapshot
 
 
   !> The time and the counters of the job.
@@ -721,8 +773,8 @@ contains
       n_now = last - first + 1
       has_values = .false.                           ! set below, or by the word read
       if (packer%is_packing) then
-        words(:n_now) = transfer(values(first:last), words(:n_now))
-        has_values = any(words(:n_now) /= 0_I64)     ! bits: -0 is a value
+        has_values = .not. all(values(first:last) == 0.0_DP .and. sign(1.0_DP, values(first:last)) > 0.0_DP)   ! -0 is a value
+        if (has_values) words(:n_now) = transfer(values(first:last), words(:n_now))
       end if
       call packer%exchange(has_values)
       if (has_values) then

@@ -1,8 +1,8 @@
 !> Unit test of checkpoint: a snapshot through words and through a file, the interface of a job, and files that cannot be used.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_checkpoint
-  use amontons_checkpoint, only: snapshot_type, output_lengths_type, take_snapshot, restore_snapshot, write_checkpoint, &
-    read_checkpoint, pack_state, unpack_state
+  use amontons_checkpoint, only: snapshot_type, output_lengths_type, checkpoint_draft_type, take_snapshot, restore_snapshot, &
+    begin_checkpoint, place_checkpoint, discard_checkpoint, pack_lengths, read_checkpoint, pack_state, unpack_state
   use amontons_equilibrium, only: equilibrium_type, create_equilibrium, begin_step, begin_increment, evaluate_equilibrium
   use amontons_errors, only: error_type, EXIT_IO
   use amontons_increment_control, only: increment_control_type
@@ -134,8 +134,10 @@ contains
   subroutine check_file()
     type(snapshot_type) :: kept, found
     type(output_lengths_type) :: files, lengths
+    type(checkpoint_draft_type) :: draft
     type(error_type), allocatable :: error
     integer :: i
+    logical :: is_there
     call make_snapshot(kept, 0.0_DP)
     files%lengths = [11_I64, 12_I64, 13_I64]
     files%frd = [21_I64, 22_I64, 23_I64]
@@ -144,7 +146,7 @@ contains
     files%pages%index = [5_I64, 9_I64]
     allocate (files%pages%bytes(16, 2))
     files%pages%bytes = reshape([(int(mod(i, 100), kind(files%pages%bytes)), i=1, 32)], [16, 2])
-    call write_checkpoint(PATH, model, kept, files, error)
+    call write_checkpoint(PATH, kept, files, error)
     call suite%that('written', .not. allocated(error))
     call make_snapshot(found, 1.0_DP)
     call read_checkpoint(PATH, model, found, lengths, error)
@@ -154,9 +156,32 @@ contains
       all(lengths%restart_file == files%restart_file))
     call suite%that('pages', lengths%pages%end == 4096 .and. all(lengths%pages%index == files%pages%index) .and. &
       all(lengths%pages%bytes == files%pages%bytes))
-    call write_checkpoint('no/such/folder/x', model, kept, files, error)
+    call write_checkpoint('no/such/folder/x', kept, files, error)
     call suite%that('no folder', allocated(error))
+    call begin_checkpoint(draft, PATH, model, kept, .true.)
+    inquire (file=PATH // '.new', exist=is_there)
+    call suite%that('begun', is_there)
+    call discard_checkpoint(draft)
+    inquire (file=PATH // '.new', exist=is_there)
+    call suite%that('removed', .not. is_there)
+    lengths = output_lengths_type()
+    call read_checkpoint(PATH, model, found, lengths, error)
+    call suite%that('the one before stays', .not. allocated(error))
   end subroutine check_file
+
+
+  !> Writes the whole file.
+  subroutine write_checkpoint(path, snapshot, files, error)
+    character(*), intent(in) :: path
+    type(snapshot_type), intent(inout) :: snapshot
+    type(output_lengths_type), intent(inout) :: files
+    type(error_type), allocatable, intent(out) :: error
+    type(checkpoint_draft_type) :: draft
+    integer(I64), allocatable :: words(:)
+    call begin_checkpoint(draft, path, model, snapshot, .true.)
+    call pack_lengths(files, words)
+    call place_checkpoint(draft, words, error)
+  end subroutine write_checkpoint
 
 
   !> Taken from a job and given back after the job went on.
@@ -236,13 +261,13 @@ contains
     integer :: unit
     call make_snapshot(kept, 0.0_DP)
     allocate (files%pages%bytes(0, 0), files%pages%index(0))
-    call write_checkpoint(PATH, model, kept, files, error)
+    call write_checkpoint(PATH, kept, files, error)
     model%deck_checksum = 2
     call expect('has been changed')
     model%deck_checksum = 1
     call set_word(100, 12345_I64)
     call expect('its checksum is wrong')
-    call write_checkpoint(PATH, model, kept, files, error)
+    call write_checkpoint(PATH, kept, files, error)
     call set_word(3, 12345_I64)
     call expect('its length is not')
     call set_word(2, 0_I64)
