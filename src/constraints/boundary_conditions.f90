@@ -10,7 +10,7 @@ module amontons_boundary_conditions
   use amontons_user_state, only: evaluate_disp
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, add_constraint_row, &
     eliminate_constraints, ROW_CONFLICT
-  use amontons_nonlinear_mpc, only: add_nonlinear_mpcs, fix_unconnected_unknowns, TAG_SUPPORT
+  use amontons_nonlinear_mpc, only: add_nonlinear_mpcs, find_pivot_lengths, fix_unconnected_unknowns, TAG_SUPPORT
   implicit none
   private
   public :: build_base_constraints, support_powers
@@ -32,7 +32,7 @@ contains
     real(DP), intent(out) :: violation             !< largest of the nonlinear MPCs, over their size [-]
     type(error_type), allocatable, intent(out) :: error
     violation = 0.0_DP
-    call reset_constraints(base, 3 * model%mesh%n_nodes)
+    call reset_constraints(base, 3 * model%mesh%n_nodes, find_pivot_lengths(model))
     call fix_unresisted_unknowns(base, model, fields%u)
     call add_prescribed_displacements(base, model, step, fields, u_start, error)
     if (allocated(error)) return

@@ -55,14 +55,16 @@ module amontons_constraints
     type(constraint_row_type), allocatable :: rows(:)     !< accepted rows in the order of acceptance
     integer :: n_rows = 0
     real(DP), allocatable :: work(:)           !< (n_unknowns) sum of coefficients while a row is reduced; 0 between calls
+    real(DP), allocatable :: rotation_length(:)  !< (n_unknowns / 3) or (0): coefficients over it choose the pivot [length], [-]
   end type constraints_type
 
 contains
 
   !> All unknowns free, no rows.
-  subroutine reset_constraints(self, n_unknowns)
+  subroutine reset_constraints(self, n_unknowns, rotation_length)
     type(constraints_type), intent(inout) :: self   !< emptied; allocations of the same size are reused
     integer, intent(in) :: n_unknowns
+    real(DP), intent(in), optional :: rotation_length(:)   !< (n_unknowns / 3) of rotations, 1 for displacements; or (0)
     if (self%n_unknowns /= n_unknowns) then
       if (allocated(self%owner)) deallocate (self%owner, self%free_of, self%offset, self%work)
       allocate (self%owner(n_unknowns), self%free_of(n_unknowns), self%offset(n_unknowns), self%work(n_unknowns))
@@ -72,6 +74,8 @@ contains
     self%offset = 0.0_DP
     self%work = 0.0_DP
     self%n_rows = 0
+    self%rotation_length = [real(DP) ::]
+    if (present(rotation_length)) self%rotation_length = rotation_length
   end subroutine reset_constraints
 
 
@@ -99,7 +103,7 @@ contains
       row_status = merge(ROW_CONFLICT, ROW_REDUNDANT, abs(reduced%rhs) > tolerance)
       return
     end if
-    k = find_pivot(reduced, row%unknown(:n_candidates))
+    k = find_pivot(reduced%unknown, abs(reduced%coefficient) / lengths_of(self, reduced%unknown), row%unknown(:n_candidates))
     reduced%pivot = reduced%unknown(k)
     reduced%tag = row%tag
     reduced%original_unknown = row%unknown
@@ -115,22 +119,31 @@ contains
   end subroutine add_constraint_row
 
 
+  !> The lengths of rotations among unknowns, 1 for displacements: without them the unit of length would choose the pivot.
+  pure function lengths_of(self, unknown) result(length)
+    type(constraints_type), intent(in) :: self
+    integer, intent(in) :: unknown(:)
+    real(DP) :: length(size(unknown))           !< [length] or [-]
+    length = 1.0_DP
+    if (size(self%rotation_length) > 0) length = self%rotation_length((unknown + 2) / 3)
+  end function lengths_of
+
+
   !> Position of the pivot in the reduced row: largest coefficient among the candidates, else among all.
-  pure integer function find_pivot(reduced, candidates) result(position)
-    type(constraint_row_type), intent(in) :: reduced
+  pure integer function find_pivot(unknown, coefficient, candidates) result(position)
+    integer, intent(in) :: unknown(:)           !< of the row
+    real(DP), intent(in) :: coefficient(:)      !< absolute values, of one unit
     integer, intent(in) :: candidates(:)        !< unknowns
     real(DP) :: largest
     integer :: k
     position = 0
-    largest = 1.0e-3_DP * maxval(abs(reduced%coefficient))
-    do k = 1, size(reduced%unknown)
-      if (.not. any(candidates == reduced%unknown(k))) cycle
-      if (abs(reduced%coefficient(k)) > largest) then
-        position = k
-        largest = abs(reduced%coefficient(k))
-      end if
+    largest = 1.0e-3_DP * maxval(coefficient)
+    do k = 1, size(unknown)
+      if (.not. any(candidates == unknown(k)) .or. coefficient(k) <= largest) cycle
+      position = k
+      largest = coefficient(k)
     end do
-    if (position == 0) position = maxloc(abs(reduced%coefficient), dim=1)
+    if (position == 0) position = maxloc(coefficient, dim=1)
   end function find_pivot
 
 
@@ -452,14 +465,19 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: row(:), column(:)
     real(DP), allocatable :: value(:)
-    integer :: i, k
-    row = pack([(i, i=1, self%n_unknowns)], self%owner == 0)
-    column = row
-    value = spread(1.0_DP, 1, size(row))
+    integer :: i, k, n, m
+    n = count(self%owner == 0)
+    m = n + sum([(size(self%rows(k)%unknown), k=1, self%n_rows)])
+    allocate (row(m), column(m), value(m))
+    row(:n) = pack([(i, i=1, self%n_unknowns)], self%owner == 0)
+    column(:n) = row(:n)
+    value(:n) = 1.0_DP
     do k = 1, self%n_rows
-      row = [row, self%rows(k)%unknown]
-      column = [column, spread(self%rows(k)%pivot, 1, size(self%rows(k)%unknown))]
-      value = [value, self%rows(k)%coefficient]
+      m = n + size(self%rows(k)%unknown)
+      row(n + 1:m) = self%rows(k)%unknown
+      column(n + 1:m) = self%rows(k)%pivot
+      value(n + 1:m) = self%rows(k)%coefficient
+      n = m
     end do
     call sparse_from_triplets(self%n_unknowns, self%n_unknowns, row, column, value, matrix, error)
   end subroutine build_condensation_matrix

@@ -118,8 +118,9 @@ contains
 
   !> The pivot is the largest of the candidates; others are taken only if none of these is left.
   subroutine check_pivot()
+    real(DP), parameter :: UNITS(3) = [1.0_DP, 1000.0_DP, 39.37_DP]
     type(constraints_type) :: c
-    integer :: verdict
+    integer :: verdict, i
     call reset_constraints(c, 6)
     call add_constraint_row(c, row_of([1, 2, 3, 4], [0.3_DP, -0.8_DP, 0.5_DP, 5.0_DP], 0.0_DP), 3, 0.0_DP, verdict)
     call suite%that('pivot 2', c%owner(2) > 0)
@@ -127,6 +128,16 @@ contains
     call prescribe_unknown(c, 1, 0.0_DP)
     call add_constraint_row(c, row_of([1, 5, 6], [1.0_DP, -0.4_DP, -0.6_DP], 0.1_DP), 1, 0.0_DP, verdict)
     call suite%that('pivot 6, since 1 is fixed', c%owner(6) > 0)
+    do i = 1, 3                                    ! node 2 has rotations: the arm of 0.05 m, of 50 mm, of 2 inch
+      associate (arm => 0.05_DP * UNITS(i))
+        call reset_constraints(c, 6, [1.0_DP, 0.2_DP * arm])
+        call add_constraint_row(c, row_of([1, 2, 4], [1.0_DP, -0.6_DP, -arm], 0.0_DP), 3, 0.0_DP, verdict)
+        call suite%that('the rotation, in any unit', c%owner(4) > 0)
+        call reset_constraints(c, 6, [1.0_DP, 5.0_DP * arm])
+        call add_constraint_row(c, row_of([1, 2, 4], [1.0_DP, -0.6_DP, -arm], 0.0_DP), 3, 0.0_DP, verdict)
+        call suite%that('the displacement beside a short arm, in any unit', c%owner(1) > 0)
+      end associate
+    end do
   end subroutine check_pivot
 
 
