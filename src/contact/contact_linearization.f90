@@ -9,6 +9,7 @@
 module amontons_contact_linearization
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, IDENTITY
+  use amontons_sparse, only: sparse_type
   use amontons_model, only: model_type
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: constraints_type, constraint_row_type, add_constraint_row, ROW_CONFLICT
@@ -24,7 +25,7 @@ module amontons_contact_linearization
   use amontons_contact_evaluation, only: has_other_constraints
   implicit none
   private
-  public :: contact_tangent_type, linearize_contact, drop_unsymmetric_terms, add_contact_rows, has_spring, &
+  public :: contact_tangent_type, linearize_contact, lower_levels, drop_unsymmetric_terms, add_contact_rows, has_spring, &
     held_friction_spring
 
   !> The linearized contact force of one closed slave node.
@@ -87,7 +88,55 @@ contains
         if (allocated(contact%held_friction)) tangents(n)%spring = held_friction_spring(contact, fields%slaves(s), s)
       end if
     end do
+    call lower_levels(contact%force_condensation, tangents)
   end subroutine linearize_contact
+
+
+  !> Lowers the levels as far as the order of closed slaves that act on each other stays: those in between may be open, and each
+  !! level costs products of matrices. Cost: linear in the weights.
+  pure subroutine lower_levels(force_condensation, tangents)
+    type(sparse_type), intent(in) :: force_condensation       !< E of contact_type
+    type(contact_tangent_type), intent(inout) :: tangents(:)
+    integer :: reader(force_condensation%n_rows / 3)   ! the highest level so far of slaves on which forces at a node act
+    integer :: writer(force_condensation%n_rows / 3)   ! the highest level so far of slaves with forces at a node
+    integer, allocatable :: acting(:)
+    integer :: lowered(size(tangents)), level, i
+    if (all(tangents%level <= 1)) return
+    lowered = 1
+    reader = 1
+    writer = 0
+    do level = 1, maxval(tangents%level)
+      do i = 1, size(tangents)
+        if (tangents(i)%level /= level) cycle
+        acting = find_acting_nodes(force_condensation, tangents(i)%imbalance_nodes)
+        lowered(i) = maxval([1, reader(tangents(i)%nodes(:tangents(i)%n_weights)), 1 + writer(acting)])
+      end do
+      do i = 1, size(tangents)
+        if (tangents(i)%level /= level) cycle
+        acting = find_acting_nodes(force_condensation, tangents(i)%imbalance_nodes)
+        reader(acting) = max(reader(acting), lowered(i))
+        associate (own => tangents(i)%nodes(:tangents(i)%n_weights))
+          writer(own) = max(writer(own), lowered(i))
+        end associate
+      end do
+    end do
+    tangents%level = lowered
+  end subroutine lower_levels
+
+
+  !> The nodes whose forces change the imbalances of some nodes, perhaps several times.
+  pure function find_acting_nodes(force_condensation, nodes) result(acting)
+    type(sparse_type), intent(in) :: force_condensation       !< E of contact_type
+    integer, intent(in) :: nodes(:)
+    integer, allocatable :: acting(:)
+    integer :: i
+    acting = [integer ::]
+    do i = 1, size(nodes)
+      associate (first => force_condensation%first(3 * nodes(i) - 2), beyond => force_condensation%first(3 * nodes(i) + 1))
+        acting = [acting, (force_condensation%column(first:beyond - 1) + 2) / 3]
+      end associate
+    end do
+  end function find_acting_nodes
 
 
   !> Stick: lambda = -Rhat_s; the weights are those of the origin and constant.

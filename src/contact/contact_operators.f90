@@ -78,15 +78,15 @@ contains
     integer, intent(in) :: n_unknowns
     type(sparse_type), intent(out) :: imbalance_tangent       !< D_R [-]
     type(sparse_type), intent(out) :: displacement_tangent    !< D_u [force/length]
-    type(sparse_type) :: a, b
+    type(sparse_type) :: a, b, by_force
     integer :: level
     call level_matrices(tangents, 1, n_unknowns, imbalance_tangent, displacement_tangent)
     do level = 2, maxval([1, tangents%level])
       call level_matrices(tangents, level, n_unknowns, a, b)
-      displacement_tangent = sparse_sum(sparse_sum(displacement_tangent, 1.0_DP, b), 1.0_DP, sparse_product(a, &
-        sparse_product(force_condensation, displacement_tangent)))
-      imbalance_tangent = sparse_sum(sparse_sum(imbalance_tangent, 1.0_DP, a), 1.0_DP, sparse_product(a, &
-        sparse_product(force_condensation, imbalance_tangent)))
+      by_force = sparse_product(a, force_condensation)   ! few rows: those of one level
+      displacement_tangent = sparse_sum(sparse_sum(displacement_tangent, 1.0_DP, b), 1.0_DP, sparse_product(by_force, &
+        displacement_tangent))
+      imbalance_tangent = sparse_sum(sparse_sum(imbalance_tangent, 1.0_DP, a), 1.0_DP, sparse_product(by_force, imbalance_tangent))
     end do
   end subroutine assemble_contact_tangents
 

@@ -518,8 +518,9 @@ contains
     integer :: s
     do s = 1, size(slaves)
       associate (slave => slaves(s), p => slaves(s)%pair)
-        if (slave%facet == 0 .and. slave%row == 0 .and. .not. contact%has_fixed_geometry(p)) contact%clearance(s) = &
-          find_clearance(contact%facets(p), contact%search(p), x, x(:, slave%node), contact%reach(p))
+        if (slave%facet == 0 .and. (slave%row == 0 .or. slave%slave_facet == 0) .and. .not. contact%has_fixed_geometry(p)) &
+          contact%clearance(s) = find_clearance(contact%facets(p), contact%search(p), x, x(:, slave%node), contact%reach(p), &
+          slave%node)
         if (slave%facet > 0 .and. slave%row > 0 .and. slave%slave_facet == 0 .and. slave%status == STATUS_OPEN .and. &
           .not. is_compliant(contact%laws(p))) contact%clearance(s) = max(slave%gap, 0.0_DP) * &
           dot_product(slave%normal, contact%mortar(p)%cuts%master_planes(slave%facet)%normal)

@@ -226,14 +226,15 @@ contains
   end function is_within
 
 
-  !> The distance that a point is certainly away from the surface, at most `reach`; 0: not known. Before: the margin of the search
-  !! is at least the reach.
-  real(DP) function find_clearance(facets, search, x, point, reach) result(clearance)
+  !> The distance that a point is certainly away from the facets that its node can touch, at most `reach`; 0: not known. Before: the
+  !! margin of the search is at least the reach.
+  real(DP) function find_clearance(facets, search, x, point, reach, node) result(clearance)
     type(facets_type), intent(in) :: facets
     type(facet_search_type), intent(in) :: search
     real(DP), intent(in) :: x(:, :)              !< (3, n_nodes) current coordinates [length]
     real(DP), intent(in) :: point(3)             !< [length]
     real(DP), intent(in) :: reach                !< [length]
+    integer, intent(in), optional :: node        !< of the mesh; self contact: facets that it cannot touch do not count
     integer, allocatable :: list(:)
     integer :: i, n
     clearance = 0.0_DP
@@ -241,6 +242,9 @@ contains
     clearance = reach
     call find_near_facets(search, point, list, n)
     do i = 1, n
+      if (present(node)) then
+        if (is_unseen(facets, node, list(i))) cycle
+      end if
       clearance = min(clearance, box_distance(facets, x, point, list(i)))
     end do
   end function find_clearance

@@ -14,6 +14,7 @@ import pytest
 
 from verify.conftest import Run
 from verify.decks.general_contact import DECKS, INPUT_DECKS, SOFT, STIFF, block_on_block, half_cylinder_on_block, turned_ring, with_general_contact, with_pairs
+from verify.decks.general_contact_large import LARGE_DECKS
 from verify.decks.planes import flat_deck, flatten
 from verify.decks.sheets import between, fix, sheet, step
 
@@ -56,6 +57,13 @@ def test_node_to_surface(run: Run, tmp_path: Path, name: str) -> None:
 def test_plane_decks(run: Run, tmp_path: Path, name: str) -> None:
     """Blocks, corners and stacks of sheets; in the stacks no sheet sees the far side of another."""
     deck = DECKS[name]()
+    assert "General contact: " in compare(run, tmp_path, with_pairs(deck), with_general_contact(deck))
+
+
+@pytest.mark.parametrize("name", ["posts-c3d20r", "leaves-s4", "small-in-large-c3d10"])
+def test_larger_decks(run: Run, tmp_path: Path, name: str) -> None:
+    """Posts between plates, whose sides face each other; a leaf spring of shells; a small contact of a large mesh."""
+    deck = LARGE_DECKS[name]()
     assert "General contact: " in compare(run, tmp_path, with_pairs(deck), with_general_contact(deck))
 
 

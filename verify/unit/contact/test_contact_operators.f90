@@ -5,7 +5,7 @@ program test_contact_operators
   use amontons_errors, only: error_type
   use amontons_sparse, only: sparse_type, sparse_from_triplets, multiply
   use amontons_woodbury_interface, only: contact_springs_type
-  use amontons_contact_linearization, only: contact_tangent_type
+  use amontons_contact_linearization, only: contact_tangent_type, lower_levels
   use amontons_contact_operators, only: apply_contact_tangent, assemble_contact_tangents, assemble_spring_matrix, &
     factorise_spring_tangents
   use check, only: suite_type
@@ -14,6 +14,7 @@ program test_contact_operators
   integer, parameter :: N_NODES = 6, N = 3 * N_NODES
   call check_one(suite)
   call check_matrices(suite)
+  call check_levels(suite)
   call check_springs(suite)
   call check_none(suite)
   call suite%finish()
@@ -109,6 +110,27 @@ contains
     end do
     call suite%that('matrices: the second tangent of node 1 counts', maxval(abs(dF(:, 6))) > 0.0_DP)
   end subroutine check_matrices
+
+
+  !> Levels without slaves in between are lowered, the change of forces stays: node 2 is a master of node 1, node 3 of node 2;
+  !! node 4 acts on node 2, before which it must not come; node 6 acts on no other.
+  subroutine check_levels(suite)
+    type(suite_type), intent(inout) :: suite
+    type(contact_tangent_type) :: tangents(5)
+    type(sparse_type) :: E
+    real(DP) :: before(3, N_NODES), after(3, N_NODES)
+    call make_condensation(E)
+    call make_tangent(1, [2, 5], 1, .false., tangents(1))
+    call make_tangent(2, [3, 5], 3, .false., tangents(2))
+    call make_tangent(3, [5, 5], 7, .false., tangents(3))
+    call make_tangent(4, [2, 5], 5, .false., tangents(4))
+    call make_tangent(6, [5, 5], 4, .false., tangents(5))
+    call apply_contact_tangent(tangents, E, sample_field(1), sample_field(2), before)
+    call lower_levels(E, tangents)
+    call suite%that('levels: lowered', all(tangents%level == [1, 2, 3, 2, 1]))
+    call apply_contact_tangent(tangents, E, sample_field(1), sample_field(2), after)
+    call suite%near('levels: the same forces', maxval(abs(after - before)), 0.0_DP, 1.0e-14_DP)
+  end subroutine check_levels
 
 
   !> Springs as products give the same change of forces; the symmetric part is w w' k between all nodes of a row.
