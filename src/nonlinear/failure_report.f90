@@ -21,7 +21,7 @@ module amontons_failure_report
     FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, &
     FAILURE_CYCLE, FAILURE_FLIP, FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
     FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_SLOW, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_PENETRATION, &
-    FAMILY_LIMIT_POINT, FAMILY_MATERIAL
+    FAMILY_LIMIT_POINT, FAMILY_MATERIAL, FAMILY_SLOW
   use amontons_failure_messages, only: failure_name, remedy_words, node_list, is_same_failure
   use amontons_iteration_records, only: increment_record_type, REPORT_LINE_LENGTH
   use amontons_element_kinds, only: MAX_ELEMENT_AMPLITUDES
@@ -281,6 +281,11 @@ contains
       lines = [lines, describe_pressure(model, system, state)]
     end select
     line = 'Remedy: ' // remedy_words(failure)
+    if (any(model%materials%cutoff_sign /= 0) .and. any(family_of(failure) == [FAMILY_SLOW, FAMILY_LIMIT_POINT])) then
+      line = 'Remedy: the size of increments does not matter to *NO TENSION and *NO COMPRESSION. Take Abaqus''s criteria and more'
+      lines = [lines, line]
+      line = '  iterations (*CONTROLS, PARAMETERS=FIELD: 5e-3, 1e-2; PARAMETERS=TIME INCREMENTATION: 40, 40, , 60), not C3D8I.'
+    end if
     lines = [lines, line]
   end function describe_failure
 

@@ -132,6 +132,40 @@ def test_wall_outside_core(run_deck: Run, tmp_path: Path, kind: str) -> None:
     assert max(abs(x) for x in turned) == pytest.approx(shortening / pressed, rel=1e-2)
 
 
+def solid_wall(kind: str, controls: str) -> str:
+    """The same wall of 8 x 1 x 4 solids, half as wide, its rigid top guided."""
+    body = as_kind(block(between(-0.5, 0.5, 8), between(0, 0.5, 1), between(0, 2, 4), "BODY"), kind)
+    reference = len(body.nodes) + 1
+    middle = next(i for i in body.where(2, 0.0) if abs(body.nodes[i, 0]) < 1e-9) + 1
+    deck = body.cards() + sets(body, {"BASE": (2, 0.0), "TOP": (2, 2.0)})
+    deck += "*MATERIAL, NAME=M\n*ELASTIC\n1e5, 0.\n*NO TENSION\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n"
+    deck += f"*NODE, NSET=R\n{reference}, {1 / 3:.15g}, 0.25, 2.\n*RIGID BODY, TIE NSET=TOP, REF NODE={reference}\n"
+    deck += f"*BOUNDARY\nBASE, 2, 3\n{middle}, 1\n{reference}, 1, 2\n{reference}, 4\n{reference}, 6\n"
+    return deck + f"*STEP\n{controls}*STATIC\n0.25, 1.\n*CLOAD\n{reference}, 3, -100.\n*NODE PRINT, NSET=R\nU\n*END STEP\n"
+
+
+ABAQUS_CRITERIA = "*CONTROLS, PARAMETERS=TIME INCREMENTATION\n40, 40, , 60\n*CONTROLS, PARAMETERS=FIELD\n5e-3, 1e-2\n"
+
+
+@pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D8R", "C3D10", "C3D15", "C3D20", "C3D20R"])
+def test_solid_wall(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """With Abaqus's criteria all these kinds finish. C3D20R is at the closed form, linear and fully integrated elements are stiffer."""
+    done = run_deck(solid_wall(kind, ABAQUS_CRITERIA))
+    assert done.returncode == 0, done.stdout + done.stderr
+    moved = next(iter(read_dat(tmp_path / "job.dat")[-1].rows.values()))[2]
+    exact = -2 / 3 * (2 * 100 / (0.5 * 0.5)) / 1e5 * 2
+    assert 0.6 < moved / exact < 1.001
+    if kind == "C3D20R":
+        assert moved == pytest.approx(exact, rel=1e-3)
+
+
+def test_remedy(run_deck: Run) -> None:
+    """A wall of C3D10 that does not finish by the defaults says what helps."""
+    done = run_deck(solid_wall("C3D10", ""))
+    assert done.returncode == 5
+    assert "Take Abaqus's criteria" in done.stdout + done.stderr
+
+
 def plane_wall(kind: str, n: int, depth: float, height: float) -> tuple[str, list[int], list[int], int]:
     """A wall of n x 4 elements of eight nodes: its cards, the nodes (from 0) of base and top, their number."""
     place: dict[tuple[int, int], int] = {}
