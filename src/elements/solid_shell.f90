@@ -6,12 +6,13 @@
 !!
 !! | strain | CSS8 | CSS6 |
 !! |---|---|---|
-!! | 11, 22, 12 | of the displacements | of the displacements |
-!! | 13, 23 | two places each in the middle of the edges (Dvorkin, Bathe) | three edges (Lee, Bathe: MITC3) |
+!! | 11, 22, 12 | of the displacements, that of warping by those of the edges (MITC4+) | of the displacements |
+!! | 13, 23 | two places each in the middle of the edges (Dvorkin, Bathe) | three edges (Lee, Bathe: MITC3), what varies reduced |
 !! | 33 | the four corners (Betsch, Stein) | the three corners |
 !!
 !! To them are added strains with amplitudes of the element that vanish in the mean: xi in 11, eta in 22, both in 12 (bending in
-!! the plane; CSS8 only), and zeta times the functions of a face in 33 (Poisson's strain of bending).
+!! the plane; CSS8 only), and zeta times the functions of a face in 33 (Poisson's strain of bending). CSS6 that is the only layer
+!! of a shell has the turns of a fibre in the middle, too (MITC3+); in a stack they would let each layer shear by itself.
 !!
 !! The law is that of solids, at the deformation gradient R U: U^2 = 1 + 2 E, R the rotation of the displacements.
 !!
@@ -23,7 +24,9 @@
 !! 4-node shell element, Commun. Numer. Meth. Engng 11 (1995) 899-909; S. Klinkel, F. Gruttmann, W. Wagner, A continuum based
 !! three-dimensional shell element for laminated structures, Comput. Struct. 71 (1999) 43-62; L. Vu-Quoc, X. G. Tan, Optimal solid
 !! shells for non-linear analyses of multilayer composites, Comput. Methods Appl. Mech. Engrg. 192 (2003) 975-1016; P.-S. Lee,
-!! K.-J. Bathe, Development of MITC isotropic triangular shell finite elements, Comput. Struct. 82 (2004) 945-962.
+!! K.-J. Bathe, Development of MITC isotropic triangular shell finite elements, Comput. Struct. 82 (2004) 945-962; Y. Lee, P.-S.
+!! Lee, K.-J. Bathe, The MITC3+ shell element and its performance, Comput. Struct. 138 (2014) 12-23; Y. Ko, P.-S. Lee, K.-J. Bathe,
+!! A new MITC4+ shell element, Comput. Struct. 182 (2017) 404-418.
 module amontons_solid_shell
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
@@ -46,7 +49,7 @@ module amontons_solid_shell
 
   integer, parameter :: MAX_NODES = 8              !< of a solid shell
   integer, parameter :: MAX_POINTS = 20
-  integer, parameter :: MAX_SAMPLES = 8            !< places of strains
+  integer, parameter :: MAX_SAMPLES = 15           !< places of strains
   integer, parameter :: MAX_DOF = 3 * (MAX_NODES + N_MODES)
 
   !> A natural strain at a place of the middle face.
@@ -98,7 +101,7 @@ contains
     real(DP) :: S(6, MAX_POINTS), C(6, 6, MAX_POINTS), whole(3, MAX_NODES + N_MODES)
     logical :: is_regular
     force = 0
-    call set_reference(kind, X, reference, status)
+    call set_reference(kind, X, points%is_shell, reference, status)
     if (status /= ELEMENT_OK) return
     call set_kinematics(reference, u, is_nlgeom, kinematics, status)
     if (status /= ELEMENT_OK) return
@@ -143,9 +146,10 @@ contains
 
 
   !> Everything that does not depend on the displacements.
-  pure subroutine set_reference(kind, X, reference, status)
+  pure subroutine set_reference(kind, X, is_whole, reference, status)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :)
+    logical, intent(in) :: is_whole                !< CSS6: the only layer of a shell
     type(shell_at_rest_type), intent(out) :: reference
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), centre(3), slope(3, MAX_NODES), base(3, 3), dual(3, 3)
@@ -162,20 +166,20 @@ contains
       reference%to_cartesian(:, :, p) = transpose(voigt_transformation(reference%dual(:, :, p)))
     end do
     if (status /= ELEMENT_OK) return
-    call set_samples(kind, X, xi, reference)
     centre = 0
     if (kind /= KIND_CSS8) centre(:2) = 1.0_DP / 3
     call place_base(kind, X, centre, slope, base)
     call invert(base, dual, det_centre)
     if (.not. det_centre > 0) status = ELEMENT_DEGENERATE
     length = norm2(base, 1)
+    call set_samples(kind, X, xi, twist_share(base), reference)
     size_of = sum(reference%volume(:reference%n_points))**(1 / 3.0_DP)
     map = transpose(voigt_transformation(dual))
     do k = 1, 6                                    ! strains of one at amplitudes of the element's size
       map(:, k) = map(:, k) * length(VOIGT_ROW(k)) * length(VOIGT_COLUMN(k)) / size_of
     end do
     do p = 1, reference%n_points
-      call natural_modes(kind, xi(:, p), reference%n_amplitudes, natural)
+      call natural_modes(kind, is_whole, xi(:, p), length, reference%n_amplitudes, natural)
       reference%modes(:, :, p) = (det_centre * w(p) / reference%volume(p)) * matmul(map, natural)
     end do
   end subroutine set_reference
@@ -238,32 +242,39 @@ contains
 
 
   !> The places of the assumed strains and their parts at the points.
-  pure subroutine set_samples(kind, X, xi, reference)
+  pure subroutine set_samples(kind, X, xi, twist, reference)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :), xi(3, MAX_ELEMENT_POINTS)
+    real(DP), intent(in) :: twist                  !< CSS6: share of the transverse shear strains that vary over the face [-]
     type(shell_at_rest_type), intent(inout) :: reference
-    real(DP), parameter :: HALF = 0.5_DP, SIGNS(2, 4) = reshape([real(DP) :: -1, -1, 1, -1, 1, 1, -1, 1], [2, 4])
-    real(DP), parameter :: PLACES_8(2, 8) = reshape([real(DP) :: 0, -1, 0, 1, -1, 0, 1, 0, SIGNS], [2, 8])
+    real(DP), parameter :: HALF = 0.5_DP, THIRD = 1.0_DP / 3
+    real(DP), parameter :: SIGNS(2, 4) = reshape([real(DP) :: -1, -1, 1, -1, 1, 1, -1, 1], [2, 4])
+    real(DP), parameter :: PLACES_8(2, 15) = reshape([real(DP) :: 0, -1, 0, 1, -1, 0, 1, 0, SIGNS, &
+      0, 0, 0, 0, 0, 0, 0, 1, 0, -1, 1, 0, -1, 0], [2, 15])
     real(DP), parameter :: PLACES_6(2, 7) = reshape([real(DP) :: HALF, 0, 0, HALF, HALF, HALF, HALF, HALF, &
       0, 0, 1, 0, 0, 1], [2, 7])
-    integer, parameter :: FIRST_8(8) = [1, 1, 2, 2, 3, 3, 3, 3], FIRST_6(7) = [1, 2, 1, 2, 3, 3, 3]
-    real(DP) :: r, s, place(3)
+    integer, parameter :: PAIRS_8(2, 15) = reshape([1, 3, 1, 3, 2, 3, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3, &
+      1, 1, 2, 2, 1, 2, 1, 1, 1, 1, 2, 2, 2, 2], [2, 15])
+    integer, parameter :: PAIRS_6(2, 7) = reshape([1, 3, 2, 3, 1, 3, 2, 3, 3, 3, 3, 3, 3, 3], [2, 7])
+    real(DP) :: r, s, q(2), place(3), warping(7)
     integer :: m, p
-    reference%n_samples = merge(8, 7, kind == KIND_CSS8)
+    reference%n_samples = merge(15, 7, kind == KIND_CSS8)
     place = 0
     do m = 1, reference%n_samples
       associate (sample => reference%samples(m))
         if (kind == KIND_CSS8) then
           place(:2) = PLACES_8(:, m)
-          sample%i = FIRST_8(m)
+          sample%i = PAIRS_8(1, m)
+          sample%j = PAIRS_8(2, m)
         else
           place(:2) = PLACES_6(:, m)
-          sample%i = FIRST_6(m)
+          sample%i = PAIRS_6(1, m)
+          sample%j = PAIRS_6(2, m)
         end if
-        sample%j = 3
         call place_base(kind, X, place, sample%slope, sample%base)
       end associate
     end do
+    if (kind == KIND_CSS8) call find_warping_weights(reference%samples(9:15), warping)
     do p = 1, reference%n_points
       r = xi(1, p)
       s = xi(2, p)
@@ -276,11 +287,15 @@ contains
           do m = 1, 4
             samples(4 + m)%weight(3, p) = HALF**2 * (1 + SIGNS(1, m) * r) * (1 + SIGNS(2, m) * s)
           end do
+          do m = 1, 7
+            samples(8 + m)%weight([1, 2, 4], p) = warping(m) * [s**2 - 1, r**2 - 1, 2 * r * s]
+          end do
         else
-          samples(1)%weight(5:6, p) = [r, 1 - s]
-          samples(2)%weight(5:6, p) = [1 - r, s]
-          samples(3)%weight(5:6, p) = [-r, s]
-          samples(4)%weight(5:6, p) = [r, -s]
+          q = THIRD + twist * (xi(:2, p) - THIRD)
+          samples(1)%weight(5:6, p) = [q(1), 1 - q(2)]
+          samples(2)%weight(5:6, p) = [1 - q(1), q(2)]
+          samples(3)%weight(5:6, p) = [-q(1), q(2)]
+          samples(4)%weight(5:6, p) = [q(1), -q(2)]
           samples(5)%weight(3, p) = 1 - r - s
           samples(6)%weight(3, p) = r
           samples(7)%weight(3, p) = s
@@ -290,12 +305,51 @@ contains
   end subroutine set_samples
 
 
-  !> The natural strains of the amplitudes at a place; their mean over the parent element is zero.
-  pure subroutine natural_modes(kind, xi, n, modes)
+  !> The parts of the strains at seven places in what takes the strain of warping out of the membrane strains (Ko, Lee, Bathe).
+  !!
+  !! With x = x_0 + r x_r + s x_s + r s x_d on the middle face E_11, E_22 and E_12 hold the term c = x_d . u_d + |u_d|^2/2 with
+  !! the factors s^2, r^2 and r s. Where x_d = c_1 x_r + c_2 x_s (plane faces) c follows from the other terms. This value takes the
+  !! place of c, which would not vanish where a warped face bends; the strains at the middles of the four edges stay.
+  pure subroutine find_warping_weights(samples, weight)
+    type(sample_type), intent(in) :: samples(7)    !< 11, 22, 12 at the centre; 11 at s = 1, -1; 22 at r = 1, -1
+    real(DP), intent(out) :: weight(7)             !< [-]
+    real(DP), parameter :: MIN_CONVEXITY = 0.1_DP        !< below lie faces that are nearly triangles [-]
+    real(DP) :: metric(3), right(2), c(2), warp(3)
+    associate (base => samples(1)%base)
+      warp = samples(4)%base(:, 1) - base(:, 1)
+      metric = [dot_product(base(:, 1), base(:, 1)), dot_product(base(:, 2), base(:, 2)), dot_product(base(:, 1), base(:, 2))]
+      right = [dot_product(base(:, 1), warp), dot_product(base(:, 2), warp)]
+    end associate
+    c = [metric(2) * right(1) - metric(3) * right(2), metric(1) * right(2) - metric(3) * right(1)] / &
+      (metric(1) * metric(2) - metric(3)**2)
+    weight = [1 - c(1)**2, -c(2)**2, -c(1) * c(2), 0.5_DP * (c(1) - 1), -0.5_DP * (c(1) + 1), 0.5_DP * c(2), -0.5_DP * c(2)] / &
+      max(1 - c(1)**2 - c(2)**2, MIN_CONVEXITY)
+  end subroutine find_warping_weights
+
+
+  !> CSS6: the share of the transverse shear strains that vary over the face. They belong to a twist of the fibres about the
+  !! normal of the face that the bending of thin shells does not need, and lock by (size/thickness)^2; with this share their energy
+  !! is that of bending, and a thick element keeps them whole.
+  pure real(DP) function twist_share(base) result(share)
+    real(DP), intent(in) :: base(3, 3)             !< at the centre [length]
+    real(DP) :: thickness, edges                   !< squares
+    thickness = 4 * sum(base(:, 3)**2)
+    edges = (sum(base(:, 1)**2) + sum(base(:, 2)**2) + sum((base(:, 1) - base(:, 2))**2)) / 3
+    share = sqrt(thickness / (thickness + edges))
+  end function twist_share
+
+
+  !> The natural strains of the amplitudes at a place. Their mean over the parent element is zero, but for the transverse shear of
+  !! the two that turn the fibre in the middle of CSS6 (the bubble of MITC3+, f = 27 r s (1 - r - s), tied to f = 1/2).
+  !!
+  !! Slopes of the bubble are times 4/3: then the moments at the points and the shear force are in equilibrium, M_ij,j = Q_i.
+  pure subroutine natural_modes(kind, is_whole, xi, length, n, modes)
     integer, intent(in) :: kind
-    real(DP), intent(in) :: xi(3)
+    logical, intent(in) :: is_whole                !< CSS6: the only layer of a shell
+    real(DP), intent(in) :: xi(3), length(3)       !< length: of the base vectors at the centre [length]
     integer, intent(out) :: n                      !< amplitudes in use
-    real(DP), intent(out) :: modes(6, 3 * N_MODES) !< zero past n [-]
+    real(DP), intent(out) :: modes(6, 3 * N_MODES) !< zero past n, over the lengths of both base vectors [-]
+    real(DP) :: slope(2)
     modes = 0
     if (kind == KIND_CSS8) then
       n = 8
@@ -304,8 +358,12 @@ contains
       modes(4, 3:4) = xi(:2)
       modes(3, 5:8) = xi(3) * [1.0_DP, xi(1), xi(2), xi(1) * xi(2)]
     else
-      n = 3
+      n = merge(5, 3, is_whole)
       modes(3, :3) = xi(3) * [1.0_DP, xi(1) - 1.0_DP / 3, xi(2) - 1.0_DP / 3]
+      if (.not. is_whole) return
+      slope = 36 * xi(3) * xi([2, 1]) * (1 - 2 * xi(:2) - xi([2, 1]))
+      modes([1, 4, 6], 4) = [slope(1), slope(2) * length(1) / length(2), 0.5_DP * length(1) / length(3)]
+      modes([2, 4, 5], 5) = [slope(2), slope(1) * length(2) / length(1), 0.5_DP * length(2) / length(3)]
     end if
   end subroutine natural_modes
 
@@ -343,8 +401,8 @@ contains
           natural(l), d(:, l))
       end do
       do m = 1, reference%n_samples
-        do l = 3, 6
-          if (l == 4) cycle
+        do l = 1, 6
+          if (.not. abs(reference%samples(m)%weight(l, p)) > 0) cycle
           natural(l) = natural(l) + reference%samples(m)%weight(l, p) * sampled(m)
           d(:, l) = d(:, l) + reference%samples(m)%weight(l, p) * rows(:, m)
         end do

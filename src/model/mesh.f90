@@ -43,7 +43,8 @@ module amontons_mesh
     logical, allocatable :: has_elements(:)        !< (n_nodes)
     logical, allocatable :: is_expanded(:)         !< (nodes of the deck) node of shells or beams, which moves with those into which
                                                    !! it expands; unallocated: there are none
-    logical, allocatable :: is_shell(:)            !< (n_elements) a solid into which a shell expands; unallocated: there are none
+    logical, allocatable :: is_shell(:)            !< (n_elements) a solid into which a shell expands, CSS6: into which alone;
+                                                   !! unallocated: there are none
     integer, allocatable :: layer(:)               !< (n_elements) layer of a shell from its bottom; 1: the only one, or no shell
     logical, allocatable :: is_in_plane(:)                !< (n_elements) a truss whose nodes stay in the plane z = 0; may be absent
     logical, allocatable :: user_directions(:, :)   !< (3, size(nodes)) displacements that a user element stiffens at its node;

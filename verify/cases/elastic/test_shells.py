@@ -162,6 +162,87 @@ def test_hemisphere(proof: Proof) -> None:
     case.done()
 
 
+def test_uneven_hemisphere(proof: Proof) -> None:
+    """The pinched hemisphere of warped S4."""
+    case = proof(
+        "uneven-hemisphere-s4",
+        title="Pinched hemisphere with a hole, uneven meshes of S4",
+        model="The pinched hemisphere by 8 x 8 and 16 x 16 cells whose sides along an edge are as 1 : 2 : ... : n, along the opposite one the other way round.",
+        formula="The loaded places move by 0.0930.",
+        source="J. C. Simo, D. D. Fox, M. S. Rifai, Comput. Methods Appl. Mech. Engrg. 73 (1989) 53-92; meshes: Y. Ko, P.-S. Lee, K.-J. Bathe, Comput. Struct. 182 "
+        "(2017) 404-418",
+        proves="Warped faces bend without membrane strain; bilinear membrane strains would give 0.227 and 0.744 of the displacement.",
+    )
+    for n in (8, 16):
+        _, deck, node, direction, expected = hemisphere("S4", n, True)
+        job = case.run(deck, f"{n} x {n}")
+        case.near("displacement", float(job.last("U")[node, direction]), expected, 0.02, why="2 % is the usual demand", place=f"loaded place, {n} x {n}",
+                  time="the end")  # fmt: skip
+    case.done()
+
+
+@pytest.mark.parametrize(("n", "is_uneven"), [(8, False), (16, True)], ids=["even", "uneven"])
+def test_large_deflection_of_hemisphere(proof: Proof, n: int, is_uneven: bool) -> None:
+    """The pinched hemisphere under a hundred times the load: faces that were plane warp."""
+    mesh = f"{'uneven ' if is_uneven else ''}{n} x {n}"
+    case = proof(
+        f"large-deflection-hemisphere-s4-{'un' * is_uneven}even",
+        title=f"Pinched hemisphere with a hole, large displacements, S4, {mesh}",
+        model=f"The pinched hemisphere under forces of 200, NLGEOM, {mesh} cells.",
+        formula="The loaded places move by 3.406 outward and 5.902 inward.",
+        source="K. Y. Sze, X. H. Liu, S. H. Lo, Finite Elements in Analysis and Design 40 (2004) 1551-1569: hemispherical shell under alternating radial forces",
+        proves="Membrane strains of faces that warp as they deform; bilinear ones give 0.85 of the displacement outward with 8 x 8 cells.",
+    )
+    body, deck, node, _, _ = hemisphere("S4", n, is_uneven)
+    other = body.at(1, 0)
+    load = f"*STEP, NLGEOM, INC=100\n*STATIC\n.1, 1.\n*CLOAD\n{node + 1}, 1, 100.\n{other + 1}, 2, -100.\n*END STEP\n"
+    job = case.run(deck.split("*STEP")[0] + load, mesh)
+    why = "2 % is the usual demand"
+    case.near("outward", float(job.last("U")[node, 0]), 3.406, 0.02, why=why, place="loaded place", time="the end")
+    case.near("inward", -float(job.last("U")[other, 1]), 5.902, 0.02, why=why, place="loaded place", time="the end")
+    case.done()
+
+
+@pytest.mark.parametrize("is_uneven", [False, True], ids=["even", "uneven"])
+def test_hemisphere_of_triangles(proof: Proof, is_uneven: bool) -> None:
+    """The pinched hemisphere of S3."""
+    mesh = f"{'uneven ' if is_uneven else ''}16 x 16"
+    case = proof(
+        f"hemisphere-s3-{'un' * is_uneven}even",
+        title=f"Pinched hemisphere with a hole, S3, {mesh}",
+        model=f"The pinched hemisphere by {mesh} cells of two triangles.",
+        formula="The loaded places move by 0.0930.",
+        source="J. C. Simo, D. D. Fox, M. S. Rifai, Comput. Methods Appl. Mech. Engrg. 73 (1989) 53-92",
+        proves="No shear locking of thin triangles; shear strains tied at the edges alone give 0.854 and 0.624 of the displacement.",
+    )
+    _, deck, node, direction, expected = hemisphere("S3", 16, is_uneven)
+    job = case.run(deck, mesh)
+    case.near("displacement", float(job.last("U")[node, direction]), expected, 0.02, why="2 % is the usual demand", place="loaded place", time="the end")
+    case.done()
+
+
+@pytest.mark.parametrize("thickness", [1.0, 0.1, 0.01])
+@pytest.mark.parametrize("kind", ["S3", "S4"])
+def test_clamped_plate(proof: Proof, kind: str, thickness: float) -> None:
+    """A clamped square plate under pressure, ever thinner."""
+    case = proof(
+        f"clamped-plate-{kind.lower()}-{thickness:g}",
+        title=f"Clamped plate of {kind}, thickness 1/{10 / thickness:.0f} of its side",
+        model=f"A quarter of a square plate of side 10, thickness {thickness:g}, E = 1e6, nu = 0.3, with clamped edges, under a pressure of 1; 8 x 8 cells.",
+        formula="w = 0.0012653 p L^4 / D; of thickness L/10: 0.001465. Mindlin's plate with the shear factor 5/6 has 0.001505, so that shear adds 0.00024 times 5/6 without.",
+        source="S. Timoshenko, S. Woinowsky-Krieger, Theory of plates and shells, McGraw-Hill 1959, section 44; thick: E. Hinton, Numerical methods and software for "
+        "dynamic analysis of plates and shells, Pineridge Press 1988",
+        proves="No shear locking, however thin the plate is: triangles that lock give 0.2 of the displacement at 1/1000.",
+    )
+    body = shell(kind, (8, 8), lambda u, v: (5 * u, 5 * v, 0 * u))
+    supports = held(body.where(0, 0.0), "XSYMM") + held(body.where(1, 0.0), "YSYMM") + held(body.where(0, 1.0), "ENCASTRE") + held(body.where(1, 1.0), "ENCASTRE")
+    job = case.run(body.cards() + section(1e6, 0.3, thickness) + supports + step("*DLOAD\nE, P, 1.\n"), kind)
+    factor = 0.001465 if thickness > 0.5 else 0.0012653
+    expected = factor * 10**4 / (1e6 * thickness**3 / (12 * (1 - 0.3**2)))
+    case.near("deflection", abs(float(job.last("U")[body.at(0, 0), 2])), expected, 0.01, why="the mesh", place="the centre", time="the end")
+    case.done()
+
+
 def test_pinched_cylinder(proof: Proof) -> None:
     """The pinched cylinder of S4: membrane strains in a small place under a point load."""
     case = proof(

@@ -19,9 +19,11 @@ program test_element
   type(suite_type) :: suite
   type(material_type) :: material
   integer :: kind, law, i, n
+  logical :: is_whole                              !< CSS6: the only layer of a shell
 
   call random_seed(size=n)
   call random_seed(put=[(15485863 + 7919 * i, i=1, n)])
+  is_whole = .false.
   material%youngs_modulus = 210000
   material%poissons_ratio = 0.3_DP
   do kind = 1, KIND_BEAM_RECT
@@ -42,6 +44,21 @@ program test_element
     call check_hydrostatic(kind)
     call check_exits(kind)
   end do
+  is_whole = .true.
+  do law = LAW_HENCKY, LAW_SAINT_VENANT
+    material%law = law
+    call check_derivatives(KIND_CSS6, .true.)
+    call check_forces_alone(KIND_CSS6)
+    call check_tiny(KIND_CSS6)
+  end do
+  material%law = LAW_HENCKY
+  call check_derivatives(KIND_CSS6, .false.)
+  call check_rigid_motion(KIND_CSS6)
+  call check_balance(KIND_CSS6)
+  call check_modes(KIND_CSS6)
+  call check_hydrostatic(KIND_CSS6)
+  call check_exits(KIND_CSS6)
+  is_whole = .false.
   call check_no_locking()
   call check_mean_dilatation()
   do kind = FACET_TRI3, FACET_QUAD8
@@ -89,8 +106,8 @@ contains
     character(:), allocatable :: name
     type(element_kind_type) :: entry
     entry = element_kind(kind)
-    name = trim(entry%name) // merge(' plain', '      ', kind == KIND_C3D8_FULL) // merge(' large ', ' small ', &
-      is_nlgeom) // what
+    name = trim(entry%name) // merge(' plain', merge(' whole', '      ', is_whole), kind == KIND_C3D8_FULL) // &
+      merge(' large ', ' small ', is_nlgeom) // what
   end function title
 
 
@@ -105,6 +122,7 @@ contains
     type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.3_DP, X)
     call random_number(u)
@@ -183,6 +201,7 @@ contains
     type(element_kind_type) :: entry
     integer :: n, a, j, dof, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
@@ -226,6 +245,7 @@ contains
     type(element_kind_type) :: entry
     integer :: status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     moved = u
     moved(j, a) = moved(j, a) + step
     call evaluate_element_forces(kind, material, X(:, :entry%n_nodes), moved(:, :entry%n_nodes), is_nlgeom, force, points, &
@@ -243,6 +263,7 @@ contains
     type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
@@ -266,6 +287,7 @@ contains
     type(element_kind_type) :: entry
     integer :: n, a, b, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     u = spread([1.234567e6_DP, -0.1_DP, 1.0_DP / 3], 2, MAX_ELEMENT_NODES)
@@ -300,6 +322,7 @@ contains
     logical :: is_nlgeom
     integer :: n, a, i, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
@@ -361,6 +384,7 @@ contains
     type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call evaluate_element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, points, status)
@@ -466,6 +490,7 @@ contains
     type(facet_kind_type) :: facet
     integer :: n, face, a, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     if (kind == KIND_C3D10) then
@@ -539,6 +564,7 @@ contains
     type(element_kind_type) :: entry
     integer :: n, status
     entry = element_kind(kind)
+    points%is_shell = is_whole
     n = entry%n_nodes
     call distort(kind, 0.0_DP, X)
     u = 0
