@@ -9,7 +9,7 @@ module amontons_assembly
     KIND_GAPUNI, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_materials, only: material_type, MAX_HISTORY
-  use amontons_model, only: model_type, is_out, material_in_step, has_unsymmetric_elements
+  use amontons_model, only: DIALECT_CALCULIX, model_type, is_out, material_in_step, has_unsymmetric_elements
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
   use amontons_unsymmetric_tangent, only: reset_element_skew, evaluate_element_skew
@@ -409,6 +409,7 @@ contains
     call load_user_fields(model, state, e, points)
     points%time = state%new%total_time
     points%time_increment = state%new%creep_time - state%old%creep_time
+    points%is_rate_at_end = model%dialect == DIALECT_CALCULIX .and. model%steps(max(1, state%new%step))%is_direct
     if (allocated(model%materials(element_material(model, state%new%step, e))%prony) .and. model%steps(max(1, &
       state%new%step))%is_long_term) points%time_increment = huge(points%time_increment)
     points%has_frame = allocated(state%new%frame)

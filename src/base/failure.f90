@@ -10,9 +10,10 @@ module amontons_failure
   public :: FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, &
     FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, FAILURE_CYCLE, FAILURE_FLIP, &
     FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, FAILURE_CONTACT_LIMIT, FAILURE_GROWING, &
-    FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, N_FAILURES
+    FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, FAILURE_CREEP, N_FAILURES
   public :: FAMILY_NONE, FAMILY_MATERIAL, FAMILY_SOLVER, FAMILY_CONSTRAINTS, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_CYCLE, &
-    FAMILY_FLIP, FAMILY_UNSETTLED, FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL
+    FAMILY_FLIP, FAMILY_UNSETTLED, FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL, &
+    FAMILY_CREEP
 
   integer, parameter :: FAILURE_NONE = 0
   integer, parameter :: FAILURE_MATERIAL = 1       !< labels: the inverted element, or the element whose material update failed
@@ -36,16 +37,17 @@ module amontons_failure
   integer, parameter :: FAILURE_USER_ROUTINE = 19  !< number: PNEWDT returned by a user routine
   integer, parameter :: FAILURE_SIGNAL = 20        !< a signal stopped the job
   integer, parameter :: FAILURE_CROSSING = 21      !< detail: two bodies that passed through each other
-  integer, parameter :: N_FAILURES = 21
+  integer, parameter :: FAILURE_CREEP = 22         !< CETOL; labels: the element, number: what was found over what it allows
+  integer, parameter :: N_FAILURES = 22
 
   integer, parameter :: FAMILY_NONE = 0, FAMILY_MATERIAL = 1, FAMILY_SOLVER = 2, FAMILY_CONSTRAINTS = 3, FAMILY_FREE_BODY = 4, &
     FAMILY_LEFT_MASTER = 5, FAMILY_CYCLE = 6, FAMILY_FLIP = 7, FAMILY_UNSETTLED = 8, FAMILY_PENETRATION = 9, &
-    FAMILY_LIMIT_POINT = 10, FAMILY_SLOW = 11, FAMILY_USER_ROUTINE = 12, FAMILY_SIGNAL = 13
+    FAMILY_LIMIT_POINT = 10, FAMILY_SLOW = 11, FAMILY_USER_ROUTINE = 12, FAMILY_SIGNAL = 13, FAMILY_CREEP = 14
 
   integer, parameter :: FAMILIES(0:N_FAILURES) = [FAMILY_NONE, FAMILY_MATERIAL, FAMILY_SOLVER, FAMILY_SOLVER, FAMILY_CONSTRAINTS, &
     FAMILY_FREE_BODY, FAMILY_FREE_BODY, FAMILY_FREE_BODY, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_CYCLE, FAMILY_FLIP, &
     FAMILY_UNSETTLED, FAMILY_PENETRATION, FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_SLOW, &
-    FAMILY_USER_ROUTINE, FAMILY_SIGNAL, FAMILY_PENETRATION]   !< of each code
+    FAMILY_USER_ROUTINE, FAMILY_SIGNAL, FAMILY_PENETRATION, FAMILY_CREEP]   !< of each code
 
   !> Why an attempt failed.
   type :: failure_type
@@ -53,7 +55,7 @@ module amontons_failure
     integer, allocatable :: labels(:)              !< of nodes, or of the element of FAILURE_MATERIAL
     integer :: length = 0                          !< of a cycle [iterations]
     integer :: n_slipping = 0                      !< closed slave nodes if all of them slip and there is more than one, else 0
-    real(DP) :: number = 0                         !< PNEWDT of FAILURE_USER_ROUTINE [-]
+    real(DP) :: number = 0                         !< PNEWDT of FAILURE_USER_ROUTINE, excess of FAILURE_CREEP [-]
     character(:), allocatable :: detail            !< text from the place of detection; for output only, never parsed
   end type failure_type
 

@@ -40,7 +40,7 @@ module amontons_analysis
   use amontons_arc_length, only: begin_path, is_path_done, path_fraction
   use amontons_inertia, only: begin_motion, conclude_inertia, implicit_loss
   use amontons_equilibrium, only: plan_solver, create_equilibrium, begin_step, begin_increment, evaluate_points, &
-    discard_matrices, is_matrix_free_step, OUTCOME_OK
+    discard_matrices, is_matrix_free_step, OUTCOME_OK, OUTCOME_ELEMENT
   use amontons_model_check, only: check_model, summarize_model
   use amontons_model_check_motion, only: find_free_motion
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED, VERDICT_DIVERGES
@@ -49,9 +49,9 @@ module amontons_analysis
   use amontons_postprocess, only: add_inelastic_work, mechanical_strain
   use amontons_active_set_history, only: count_changed_statuses
   use amontons_increment_control, only: attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
-    reject_increment, can_cut_back, &
-    OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
-  use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING
+    reject_increment, can_cut_back, OUTCOME_STEP_DONE, OUTCOME_CUT_BACK, OUTCOME_GIVE_UP
+  use amontons_failure, only: failure_type, FAILURE_NONE, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING
+  use amontons_creep_accuracy, only: check_creep
   use amontons_failure_messages, only: failure_words
   use amontons_failure_report, only: find_failure, describe_failure, summarize_attempts, describe_events, is_always_unsupported
   use amontons_text_output, only: print_iteration, print_increment
@@ -400,6 +400,9 @@ contains
     integer, intent(out) :: verdict                !< VERDICT_...
     type(error_type), allocatable, intent(out) :: error
     integer :: turn, outcome
+    character(:), allocatable :: crossing
+    crossing = ''
+    outcome = OUTCOME_ELEMENT
     associate (step => analysis%driven_loads%step)
       turn = suspend_lock()                            ! other jobs of the process may read, write and log meanwhile
       call iterate(analysis%newton, analysis%system, analysis%model, step, analysis%state, verdict, error)
@@ -409,11 +412,14 @@ contains
       call log_iteration(analysis, logger)
       if (verdict /= VERDICT_CONVERGED) return
       if (analysis%newton%can_be_cut_back) call find_avoidable_crossing(analysis%model, analysis%faces, analysis%state, &
-        analysis%stepping%step, analysis%crossing)
-      if (analysis%crossing /= '') verdict = VERDICT_DIVERGES
-      if (analysis%crossing /= '') return
-      call evaluate_points(analysis%system, analysis%model, step, analysis%state, outcome)
-      if (outcome == OUTCOME_OK) then
+        analysis%stepping%step, crossing)
+      if (crossing /= '') analysis%refusal = failure_type(FAILURE_CROSSING, detail=crossing)
+      if (crossing == '') call evaluate_points(analysis%system, analysis%model, step, analysis%state, outcome)
+      if (outcome == OUTCOME_OK) call share_points(analysis%system%assembly, analysis%model%mesh, analysis%state%new)
+      if (outcome == OUTCOME_OK) call check_creep(analysis%model, step, analysis%state, analysis%creep_ratio, analysis%refusal)
+      if (analysis%refusal%code /= FAILURE_NONE) then
+        verdict = VERDICT_DIVERGES
+      else if (outcome == OUTCOME_OK) then
         call accept_attempt(analysis, step)
       else
         call set_error(error, EXIT_INTERNAL, 'The forces of a converged state cannot be evaluated again.')
@@ -436,7 +442,6 @@ contains
       if (is_path_end) is_path_end = is_path_done(analysis%model, step, record%increment, analysis%state)
       record%n_proximal = analysis%newton%globalization%n_proximal
       record%n_snap_through = analysis%newton%globalization%n_snap_through + analysis%newton%rounds%n_unstable
-      call share_points(analysis%system%assembly, analysis%model%mesh, analysis%state%new)
       call update_damping(analysis%system%volume_share, step, analysis%state, damping_work)
       if (step%is_dynamic) call conclude_inertia(analysis%system%assembly, analysis%system%mass, analysis%state)
       call sum_works(analysis%model, step, analysis%state, record, damping_work)
@@ -446,7 +451,7 @@ contains
       n_iterations = record%n_iterations
       if (step%solver == SOLVER_GRADIENTS) n_iterations = comparable_iterations(step, n_iterations)
       call accept_increment(analysis%stepping, step, record%dt, attempt_effort_type(n_iterations, record%n_status_changes, &
-        record%n_cycles_treated), outcome, is_path_end)
+        record%n_cycles_treated, analysis%creep_ratio), outcome, is_path_end)
       analysis%is_step_start = outcome == OUTCOME_STEP_DONE
       record%is_step_end = analysis%is_step_start
     end associate
@@ -576,7 +581,7 @@ contains
     real(DP), intent(in) :: dt                     !< [time]
     call restore_state(analysis%state)
     analysis%smallest_pnewdt = 1.0_DP
-    analysis%crossing = ''
+    analysis%refusal = failure_type()
     analysis%faces%is_free_of_crossings = .false.
     analysis%state%new%step_time = analysis%stepping%step_time + dt
     analysis%state%new%total_time = analysis%stepping%total_time + dt
@@ -648,16 +653,11 @@ contains
     character(120) :: location
     associate (record => analysis%records(analysis%n_records))
       record%failure = find_failure(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
-      if (analysis%crossing /= '') then
-        record%failure = failure_type(FAILURE_CROSSING)
-        record%failure%detail = analysis%crossing
-      end if
+      if (analysis%refusal%code /= FAILURE_NONE) record%failure = analysis%refusal
       if (analysis%smallest_pnewdt < 1.0_DP) record%failure = failure_type(FAILURE_USER_ROUTINE, number=analysis%smallest_pnewdt)
       record%reason = failure_words(record%failure)
       call complete_record(analysis, record)
-      call reject_increment(analysis%stepping, step, dt, verdict, outcome)
-      if (analysis%smallest_pnewdt < 1.0_DP .and. outcome == OUTCOME_CUT_BACK) analysis%stepping%dt = max(step%dt_min, &
-        analysis%smallest_pnewdt * dt)
+      call reject_increment(analysis%stepping, step, dt, verdict, record%failure, outcome)
       is_always_free = is_always_unsupported(analysis%records(:analysis%n_records), &
         step%controls%increments%max_unsupported_attempts) .and. .not. step%is_dynamic
       if (is_always_free) outcome = OUTCOME_GIVE_UP

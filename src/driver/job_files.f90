@@ -7,6 +7,7 @@
 !!
 !! Of several ranks the first one writes the result file and the texts, the second one the checkpoint meanwhile, the last one .frd.
 module amontons_job_files
+  use amontons_failure, only: failure_type
   use amontons_kinds, only: DP, I64
   use amontons_text, only: NEWLINE, to_text, plural
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_USAGE, EXIT_IO
@@ -51,7 +52,8 @@ module amontons_job_files
                                                                !! anything moves
     type(equilibrium_type) :: system
     type(model_faces_type) :: faces                !< for the search of faces that meet without a pair
-    character(:), allocatable :: crossing          !< of bodies in the present attempt; '': none
+    type(failure_type) :: refusal                  !< of the present attempt, which has converged; FAILURE_NONE: none
+    real(DP) :: creep_ratio = 0                    !< of it: difference of creep strains over CETOL [-]
     type(newton_type) :: newton
     type(increment_control_type) :: stepping
     type(results_type) :: results

@@ -498,7 +498,8 @@ contains
       'rotation and body forces.', data='element or element set, P1 to P6, pressure; calculix dialect: P1NP to P6NP, ' // &
       'node, whose prescribed displacement 2 is the pressure; or surface, P, pressure; or ' // &
       'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
-      'x, y, z and direction x, y, z of the axis; BX, BY, BZ or BR, force per volume; without a region the whole model')
+      'x, y, z and direction x, y, z of the axis; BX, BY, BZ or BR, force per volume; without a region the whole model; ' // &
+      'abaqus dialect: TRVECn or TRSHRn, traction on face n, direction x, y, z, as of DSLOAD')
     call describe_distributed(table)
     call table%card('DSLOAD', SCOPE_STEP, 'Pressure on a surface, positive when it pushes into the body; traction, a force per ' &
       // &
@@ -566,8 +567,9 @@ contains
       'an amplitude act in full from its start (STEP, AMPLITUDE=RAMP: they grow linearly).', &
       data='first increment, length of the step, least increment, largest increment; all optional')
     call describe_static(table)
-    call table%option('CETOL', VALUE_REAL, 'Creep is integrated implicitly; choose the largest increment instead.', &
-      status=ENTRY_IGNORED)
+    call table%option('CETOL', VALUE_REAL, 'Most difference of the creep strains of an increment by the conditions at its end ' // &
+      'and at its start: longer increments are cut back, and the next one is as long as this allows.', &
+      default='with CREEP no increment is longer than the first')
     call table%option('CREEP', VALUE_WORD, 'Creep is always integrated implicitly.', status=ENTRY_IGNORED)
 
     call describe_dynamic(table)
@@ -674,7 +676,7 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%card('CONTROLS', SCOPE_BOTH, 'Changes how a step is solved, in this step and all later ones; in the ' // &
       'model, in all steps.', data= &
-      'TIME INCREMENTATION: I0, IR, IP, IC, IL, IG, -, IA; second line DF, DC, DB, -, -, -, DD. FIELD: Rn, Cn, -, ' // &
+      'TIME INCREMENTATION: I0, IR, IP, IC, IL, IG, -, IA; second line DF, DC, DB, DA, -, -, DD. FIELD: Rn, Cn, -, ' // &
       '-, Rp, -, -, Rl. LINE SEARCH: -, s max, s min. GAP: penetration allowed over the edge of a facet. A blank ' // &
       'field keeps its value.')
     call table%option('PARAMETERS', VALUE_WORD, 'What is changed.', &

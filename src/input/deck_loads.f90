@@ -316,13 +316,14 @@ contains
       label = name_key(field_text(reader%cards, row, 2))
       if (is_by_user(label) .and. amplitude > 0) call report_error(reader, row%line, &
         'The routine DLOAD gives the whole pressure; AMPLITUDE must not be given with ' // label // '.')
-      if (.not. is_following .and. .not. is_one_of(label, 'TRVEC|TRSHR')) call report_error(reader, row%line, &
+      if (.not. is_following .and. .not. is_traction(label)) call report_error(reader, row%line, &
         'FOLLOWER=NO is for TRVEC and TRSHR; a pressure follows its face.')
       if (is_shell_load(reader, c, row, label)) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
       else if (label == 'P' .or. label == 'PNU') then
         call read_surface_pressure(reader, model, row, amplitude, active_loads)
-      else if (is_card(reader, c, 'DSLOAD') .and. is_one_of(label, 'TRVEC|TRSHR')) then
+      else if (is_card(reader, c, 'DSLOAD') .and. is_one_of(label, 'TRVEC|TRSHR') .or. (is_card(reader, c, 'DLOAD') .and. &
+          reader%dialect /= DIALECT_CALCULIX .and. is_traction(label))) then
         call read_traction(reader, model, row, amplitude, is_following .or. .not. is_constant, active_loads)
       else if (is_card(reader, c, 'DSLOAD')) then
         call report_error(reader, row%line, 'The second field must be P, a pressure, PNU, one by the routine DLOAD, TRVEC, a ' // &
@@ -338,11 +339,18 @@ contains
       else
         call report_error(reader, row%line, 'The second field must be P1 to P6 (pressure on a face), P (pressure on a ' // &
           'surface), each with NU for one by the routine DLOAD, P1NP to P6NP (calculix dialect: that of a node), GRAV ' // &
-          '(gravity), CENTRIF (rotation), BX, BY, BZ, BR (force per volume) or, on beams, P1, P2 or (abaqus dialect) PX, PY, ' // &
-          'PZ (force per length); it is ''' // label // '''.')
+          '(gravity), CENTRIF (rotation), BX, BY, BZ, BR (force per volume), TRVECn, TRSHRn (abaqus dialect: traction on face n) ' &
+          // 'or, on beams, P1, P2 or (abaqus dialect) PX, PY, PZ (force per length); it is ''' // label // '''.')
       end if
     end do
   end subroutine read_dload
+
+
+  !> Whether a label is a traction: TRVEC or TRSHR, of DLOAD with the number of a face and perhaps NU.
+  pure logical function is_traction(label)
+    character(*), intent(in) :: label            !< squeezed
+    is_traction = index(label, 'TRVEC') == 1 .or. index(label, 'TRSHR') == 1
+  end function is_traction
 
 
   !> Whether a row of DLOAD is a load of shells: P on elements instead of a surface, or EDNORn.
@@ -435,7 +443,7 @@ contains
   end subroutine find_faces
 
 
-  !> Row: surface, TRVEC or TRSHR, magnitude, direction.
+  !> Row: surface, TRVEC or TRSHR, or element or element set, TRVECn or TRSHRn; magnitude, direction.
   subroutine read_traction(reader, model, row, amplitude, is_following, active_loads)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -445,26 +453,29 @@ contains
     type(active_loads_type), intent(inout) :: active_loads
     type(load_region_type) :: place
     type(element_kind_type) :: entry
+    character(:), allocatable :: label
     real(DP) :: value
-    integer :: s, i
+    integer :: i
     logical :: is_ok
     is_ok = .true.
+    label = name_key(field_text(reader%cards, row, 2))
     call check_n_fields(reader, row, 6)
     call read_real(reader, row, 3, 'magnitude', value, is_ok, 0.0_DP)
     do i = 1, 3
       call read_real(reader, row, i + 3, 'direction', place%direction(i), is_ok, 0.0_DP)
     end do
-    call find_faces(reader, model, row, s)
-    if (s == 0 .or. .not. is_ok) return
+    if (is_one_of(label, 'TRVEC|TRSHR')) then
+      call find_surface_place(reader, model, row, place, is_ok)
+    else
+      call find_face_place(reader, model, row, label, place, is_ok)
+    end if
+    if (.not. is_ok) return
     if (.not. norm2(place%direction) > 0) then
       call report_error(reader, row%line, 'The direction must not be zero: surface, TRVEC or TRSHR, magnitude, x, y, z.')
       return
     end if
     place%kind = DISTRIBUTED_TRACTION
     place%direction = place%direction / norm2(place%direction)
-    place%region = name_key(field_text(reader%cards, row, 1))
-    place%elements = model%surfaces(s)%element
-    place%faces = model%surfaces(s)%face
     place%is_follower = is_following
     do i = 1, size(place%elements)
       entry = element_kind(model%mesh%kind(place%elements(i)))
@@ -472,9 +483,58 @@ contains
       call report_error(reader, row%line, 'Plane and axisymmetric elements take no traction out of the plane.')
       return
     end do
-    if (name_key(field_text(reader%cards, row, 2)) == 'TRSHR') call project_on_faces(reader, model, row, place, is_ok)
+    if (index(label, 'TRSHR') == 1) call project_on_faces(reader, model, row, place, is_ok)
     if (is_ok) call add_region_load(place, value, amplitude, active_loads)
   end subroutine read_traction
+
+
+  !> The faces of the surface that a traction of DSLOAD acts on; DLOAD takes elements.
+  subroutine find_surface_place(reader, model, row, place, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    type(load_region_type), intent(inout) :: place   !< out: region, elements, faces
+    logical, intent(inout) :: is_ok
+    integer :: s
+    call find_faces(reader, model, row, s)
+    is_ok = is_ok .and. s > 0
+    if (.not. is_ok) return
+    place%region = name_key(field_text(reader%cards, row, 1))
+    place%elements = model%surfaces(s)%element
+    place%faces = model%surfaces(s)%face
+  end subroutine find_surface_place
+
+
+  !> The faces n of elements that TRVECn or TRSHRn of DLOAD acts on; all of them must have it.
+  subroutine find_face_place(reader, model, row, label, place, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    character(*), intent(in) :: label            !< squeezed
+    type(load_region_type), intent(inout) :: place   !< out: region, elements, faces
+    logical, intent(inout) :: is_ok
+    type(element_kind_type) :: entry
+    integer :: face, i
+    if (is_by_user(label)) call report_error(reader, row%line, label // ' takes the traction from the routine UTRACLOAD, which ' &
+      // 'is not supported. Give TRVECn or TRSHRn a magnitude on sets of elements, or a pressure PnNU by the routine DLOAD.')
+    is_ok = is_ok .and. .not. is_by_user(label)
+    if (.not. is_ok) return
+    face = face_number(label(5:), label(5:5))
+    call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
+    if (.not. is_ok) return
+    call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
+    do i = 1, size(place%elements)
+      entry = element_kind(model%mesh%kind(place%elements(i)))
+      is_ok = is_ok .and. face >= 1 .and. face <= entry%n_faces
+      if (allocated(model%structure)) is_ok = is_ok .and. model%structure%section(place%elements(i)) == 0
+      if (is_ok) cycle
+      call report_error(reader, row%line, 'Element ' // to_text(model%mesh%element_label(place%elements(i))) // ' takes no load ' &
+        // label // ': n of TRVECn and TRSHRn is a face of a solid or plane element, 1 to 6. Shells take *DSLOAD on a surface.')
+      return
+    end do
+    place%region = name_key(field_text(reader%cards, row, 1)) // ' ' // label
+    place%faces = [(face, i=1, size(place%elements))]
+  end subroutine find_face_place
 
 
   !> TRSHR: the unit vectors of a direction projected on the faces, each with its mean normal.

@@ -7,6 +7,7 @@ module amontons_deck_procedures
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, nodes_of_field
   use amontons_deck_loads, only: map_dof
+  use amontons_materials, only: CREEP_NONE
   use amontons_distributed_solver, only: has_distributed_solvers
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_steps, only: step_type, path_end_type, SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS, SOLVER_GAMG, SOLVER_HYPRE, &
@@ -16,7 +17,7 @@ module amontons_deck_procedures
   use amontons_element_kinds, only: KIND_SPRINGA
   implicit none
   private
-  public :: read_static, read_riks, read_dynamic, read_damping, check_path_step, check_distributed_solvers
+  public :: read_static, read_creep_tolerance, read_riks, read_dynamic, read_damping, check_path_step, check_distributed_solvers
 
 contains
 
@@ -85,6 +86,38 @@ contains
     if (.not. has_row) return
     if (next_row(reader%cards, row)) call check_no_data(reader, row)
   end subroutine read_static
+
+
+  !> CETOL of VISCO. Without it no increment is longer than the first where materials creep, unless the card gives a largest one.
+  subroutine read_creep_tolerance(reader, model, c, step)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(step_type), intent(inout) :: step         !< in: of read_static; out: creep_tolerance, dt_max
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    logical :: is_ok
+    real(DP) :: largest
+    integer :: status
+    step%creep_tolerance = 0
+    if (.not. step%has_creep) return
+    call open_card(reader, c, parameters, row)
+    if (has_parameter(parameters, 'CETOL')) then
+      call parse_real(parameter_text(parameters, 'CETOL'), step%creep_tolerance, status)
+      if (status /= NUMBER_OK) return            ! the check of the cards reports it
+      if (step%creep_tolerance <= 0) call report_error(reader, reader%cards%cards(c)%line, 'CETOL must be positive: the ' // &
+        'difference of creep strains allowed in an increment, about the allowed error of the stress over Young''s modulus.')
+      return
+    end if
+    if (step%is_direct .or. .not. any(model%materials%creep_law /= CREEP_NONE)) return
+    largest = 0
+    is_ok = .true.
+    if (next_row(reader%cards, row)) call read_real(reader, row, 4, 'largest increment', largest, is_ok, 0.0_DP)
+    if (largest > 0 .or. .not. step%dt_initial < step%dt_max) return
+    step%dt_max = step%dt_initial
+    call report_note(reader, reader%cards%cards(c)%line, 'Without CETOL nothing limits the error of creep, and no increment ' // &
+      'is longer than the first one, ' // to_text(step%dt_initial) // '. CETOL lets them grow as far as creep allows.')
+  end subroutine read_creep_tolerance
 
 
   !> DYNAMIC, APPLICATION=QUASI-STATIC: times as of STATIC; all elements need a density.

@@ -16,7 +16,8 @@ module amontons_deck_steps
   use amontons_deck_output, only: output_requests_type, begin_output, read_output_card, set_output_times
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
     check_no_data, is_card, nodes_of_field, elements_of_field
-  use amontons_deck_procedures, only: read_static, read_riks, read_dynamic, read_damping, check_path_step, check_distributed_solvers
+  use amontons_deck_procedures, only: read_static, read_creep_tolerance, read_riks, read_dynamic, read_damping, check_path_step, &
+    check_distributed_solvers
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_controls, only: controls_type, calculix_controls, gradient_controls_type, PRECONDITIONER_NODAL, &
     PRECONDITIONER_DIAGONAL, PRECONDITIONER_TWO_LEVEL, PRECONDITIONER_FACTOR, PRECONDITIONER_AMG
@@ -301,6 +302,7 @@ contains
         progress%has_static = .true.
         progress%step%has_creep = entry%key == 'VISCO'
         call read_static(reader, c, progress%step)
+        call read_creep_tolerance(reader, model, c, progress%step)
         call read_damping(reader, c, model%dialect, progress%step)
         call read_riks(reader, model, c, progress%step)
         call set_total_time(reader, c, progress)
@@ -449,7 +451,7 @@ contains
   end subroutine read_counts
 
 
-  !> DF, DC, DB, -, -, -, DD: the first three in (0, 1), the last at least 1.
+  !> DF, DC, DB, DA, -, -, DD: the first four in (0, 1), DB and DA also 1; the last at least 1.
   subroutine read_factors(reader, row, controls)
     type(reader_type), intent(inout) :: reader
     type(data_row_type), intent(in) :: row
@@ -460,11 +462,12 @@ contains
     call read_real(reader, row, 1, 'DF', controls%d_f, is_ok, default=(controls%d_f))
     call read_real(reader, row, 2, 'DC', controls%d_c, is_ok, default=(controls%d_c))
     call read_real(reader, row, 3, 'DB', controls%d_b, is_ok, default=(controls%d_b))
+    call read_real(reader, row, 4, 'DA', controls%d_a, is_ok, default=(controls%d_a))
     call read_real(reader, row, 7, 'DD', controls%d_d, is_ok, default=(controls%d_d))
     if (.not. is_ok) return
-    if (any([controls%d_f, controls%d_c] <= 0) .or. any([controls%d_f, controls%d_c] >= 1) .or. controls%d_b <= 0 .or. &
-      controls%d_b > 1 .or. controls%d_d < 1) call report_error(reader, row%line, &
-      'The factors must be 0 < DF < 1, 0 < DC < 1, 0 < DB <= 1, DD >= 1.')
+    if (any([controls%d_f, controls%d_c] <= 0) .or. any([controls%d_f, controls%d_c] >= 1) .or. any([controls%d_b, &
+      controls%d_a] <= 0) .or. any([controls%d_b, controls%d_a] > 1) .or. controls%d_d < 1) call report_error(reader, row%line, &
+      'The factors must be 0 < DF < 1, 0 < DC < 1, 0 < DB <= 1, 0 < DA <= 1, DD >= 1.')
   end subroutine read_factors
 
 

@@ -368,6 +368,7 @@ contains
           ', first increment ' // to_text(step%dt_initial) // ', least ' // to_text(step%dt_min) // &
           ', largest ' // to_text(step%dt_max) // ', at most ' // plural(step%max_increments, 'increment')
         if (step%is_direct) text = text // ', all as long as the first'
+        if (step%creep_tolerance > 0) text = text // ', CETOL ' // to_text(step%creep_tolerance)
         text = text // NEWLINE // INDENT // INDENT // 'Rn ' // to_text(step%controls%r_n) // ', Cn ' // &
           to_text(step%controls%c_n) // ', I0 ' // to_text(step%controls%i_0) // ', IR ' // to_text(step%controls%i_r) // &
           ', IC ' // to_text(step%controls%i_c) // ', IA ' // to_text(step%controls%i_a) // NEWLINE

@@ -38,6 +38,7 @@ module amontons_element_integration_points
     real(DP) :: point_field(MAX_ELEMENT_POINTS)    !< this field variable by USDFLD, if the material has it
     real(DP) :: time                               !< at the end of the increment [time]
     real(DP) :: time_increment                     !< of creep and viscoelasticity: 0 outside of VISCO steps [time]
+    logical :: is_rate_at_end = .false.            !< time hardening: the rate is that at the end of the increment, not its mean
     real(DP) :: elapsed_time = 0                   !< length of the increment, of rates that count in every step [time]
     real(DP), allocatable :: inner_old(:, :)       !< (n_inner, MAX_ELEMENT_POINTS) committed history of a law beyond MAX_HISTORY
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
@@ -73,6 +74,7 @@ contains
     if (points%has_frame) point%frame = points%frame(:, :, p)
     point%time = points%time
     point%time_increment = points%time_increment
+    point%is_rate_at_end = points%is_rate_at_end
     point%temperature = dot_product(weight, points%temperature(:size(weight)))
     point%initial_temperature = dot_product(weight, points%initial_temperature(:size(weight)))
     if (material%table_variable > 0) then

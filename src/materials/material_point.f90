@@ -58,6 +58,7 @@ module amontons_material_point
     real(DP) :: initial_field = 0                  !< the same at the start
     real(DP) :: time                               !< at the end of the increment, for time-dependent laws [time]
     real(DP) :: time_increment                     !< of creep and viscoelasticity; 0 outside of VISCO steps [time]
+    logical :: is_rate_at_end = .false.            !< time hardening: the rate is that at the end of the increment, not its mean
     real(DP) :: elapsed_time = 0                   !< length of the increment; 0: at rest [time]
     real(DP), allocatable :: inner_old(:)          !< committed history of a law beyond MAX_HISTORY
     real(DP) :: history_old(MAX_HISTORY)                  !< committed history
@@ -422,11 +423,19 @@ contains
       call map_cone_return(material, [moduli%G, moduli%lambda + 2 * moduli%G / 3], trial, table_argument(material, point), &
         point%history_old(HISTORY_PEEQ), response, return_status)
     else
-      call map_radial_return(material, moduli%G, trial(1), table_argument(material, point), [point%time, point%time_increment], &
+      call map_radial_return(material, moduli%G, trial(1), table_argument(material, point), creep_times(point), &
         point%history_old, response, return_status)
     end if
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
   end subroutine map_return
+
+
+  !> The times of creep: end and length of the increment, start of the mean of time hardening [time].
+  pure function creep_times(point) result(times)
+    type(material_point_type), intent(in) :: point
+    real(DP) :: times(3)
+    times = [point%time, point%time_increment, point%time - merge(0.0_DP, point%time_increment, point%is_rate_at_end)]
+  end function creep_times
 
 
   !> Plastic flow and creep with anisotropic elasticity; the reader admits only isotropic hardening here.
@@ -438,7 +447,7 @@ contains
     integer, intent(out) :: status                 !< STRESS_...
     type(anisotropic_return_type) :: response
     integer :: return_status
-    call map_anisotropic_return(material, moduli%C, elastic, table_argument(material, point), [point%time, point%time_increment], &
+    call map_anisotropic_return(material, moduli%C, elastic, table_argument(material, point), creep_times(point), &
       point%history_old, response, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     point%stress = response%stress
@@ -756,7 +765,7 @@ contains
     s = deviator(moduli%G * scale * b - k)
     size = sqrt(double_dot(s, s))
     call map_radial_return(material, modulus / J, SQRT_3_2 * size / J, table_argument(material, point), &
-      [point%time, point%time_increment], point%history_old, back, return_status)
+      creep_times(point), point%history_old, back, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK) return
     call set_isochoric_response(deviator(moduli%G * scale * b), modulus, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)

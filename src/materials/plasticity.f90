@@ -15,7 +15,7 @@ module amontons_plasticity
   private
   public :: return_mapping_type, anisotropic_return_type, map_radial_return, return_to_curve, is_inelastic, &
     RETURN_OK, RETURN_FAILED, &
-    evaluate_ramberg_osgood, map_anisotropic_return, solve_voigt_system, TOL_YIELD
+    evaluate_ramberg_osgood, map_anisotropic_return, solve_voigt_system, creep_strain_difference, TOL_YIELD
 
   integer, parameter :: RETURN_OK = 0              !< all is well
   integer, parameter :: RETURN_FAILED = 1          !< no solution: hardening below -3 G, or a creep increment too large
@@ -46,7 +46,8 @@ module amontons_plasticity
 
   !> The increment's fixed data, for the scalar equations.
   type :: return_problem_type
-    real(DP) :: G, q_trial, temperature, time, dt, p_old, c_old, back_old
+    real(DP) :: G, q_trial, temperature, p_old, c_old, back_old
+    real(DP) :: times(3)                           !< of map_radial_return [time]
     real(DP) :: creep(3)                           !< A, n, m
   end type return_problem_type
 
@@ -80,7 +81,7 @@ contains
     real(DP), intent(in) :: G                      !< shear modulus [stress]
     real(DP), intent(in) :: q_trial                !< von Mises stress of trial deviator less back stress [stress]
     real(DP), intent(in) :: temperature            !< [temperature]
-    real(DP), intent(in) :: times(2)               !< end and length of the increment [time]
+    real(DP), intent(in) :: times(3)               !< end and length of the increment, start of the mean of time hardening [time]
     real(DP), intent(in) :: history_old(MAX_HISTORY)      !< committed
     type(return_mapping_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
@@ -91,7 +92,7 @@ contains
       return
     end if
     status = RETURN_OK
-    problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), &
+    problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, times=times, &
       p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
     if (material%creep_law /= CREEP_NONE) call evaluate_table(material%creep, temperature, problem%creep)
     if (allocated(material%kinematic_hardening)) call evaluate_curves(material%kinematic_hardening, temperature, problem%p_old, &
@@ -170,12 +171,12 @@ contains
       call evaluate_creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
       if (search%is_found) status = RETURN_OK
       if (search%is_found) exit
-      call improve_root(search, c - problem%dt * rate, 1 + problem%dt * (3 * problem%G * rate_q - rate_c))
+      call improve_root(search, c - problem%times(2) * rate, 1 + problem%times(2) * (3 * problem%G * rate_q - rate_c))
     end do
     solution%creep = c
     solution%ratio = 1 - c / (problem%q_trial / (3 * problem%G))
-    solution%slope = 1 - 3 * problem%G * problem%dt * rate_q &
-      / (1 + problem%dt * (3 * problem%G * rate_q - rate_c))
+    solution%slope = 1 - 3 * problem%G * problem%times(2) * rate_q &
+      / (1 + problem%times(2) * (3 * problem%G * rate_q - rate_c))
   end subroutine solve_creep
 
 
@@ -251,18 +252,18 @@ contains
     integer :: i
     c = 0
     dc = 0
-    if (material%creep_law == CREEP_NONE .or. .not. problem%dt > 0) return
+    if (material%creep_law == CREEP_NONE .or. .not. problem%times(2) > 0) return
     do i = 1, MAX_ROOT_ITERATIONS                        ! a fixed point for strain hardening, at once for time hardening
       call evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
-      if (abs(c - problem%dt * rate) <= TOL_ROOT * problem%dt * rate) exit
-      c = problem%dt * rate
+      if (abs(c - problem%times(2) * rate) <= TOL_ROOT * problem%times(2) * rate) exit
+      c = problem%times(2) * rate
     end do
-    dc = problem%dt * rate_q * q_slope / (1 - problem%dt * rate_c)
+    dc = problem%times(2) * rate_q * q_slope / (1 - problem%times(2) * rate_c)
   end subroutine evaluate_creep_increment
 
 
   !> The rate of creep and its derivatives by stress and by the creep strain of the increment.
-  !! Time hardening A q^n t^m, integrated over the increment, under the calculix dialect with t at its end; strain hardening
+  !! Time hardening A q^n t^m, its mean from times(3) to the end of the increment (times(3) = times(1): there); strain hardening
   !! (A q^n ((m + 1) c)^m)^(1/(m + 1)), here in the integrated form
   !! dc/dt = (C(t_s + dt) - C(t_s))/dt with C(t) = A q^n t^(m+1)/(m + 1) and t_s such that C(t_s) = c_old.
   pure subroutine evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
@@ -278,16 +279,17 @@ contains
     rate_q = 0
     rate_c = 0
     if (.not. q > 0 .or. c < 0) return
-    associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), dt => problem%dt)
+    associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), time => problem%times(1), &
+        dt => problem%times(2))
       s = A * q**n
       k = m + 1
       if (abs(m) <= epsilon(m)) then
         rate = s
         rate_q = n * s / q
       else if (material%creep_law == CREEP_TIME_HARDENING) then
-        before = max(problem%time - dt, 0.0_DP)
-        rate = s * (problem%time**k - before**k) / (k * dt)
-        if (material%law == LAW_SAINT_VENANT) rate = s * problem%time**m
+        before = max(problem%times(3), 0.0_DP)
+        rate = s * time**m
+        if (before < time) rate = s * (time**k - before**k) / (k * (time - before))
         rate_q = n * rate / q
       else
         virtual = (problem%c_old * k / s)**(1 / k)
@@ -297,6 +299,58 @@ contains
       end if
     end associate
   end subroutine evaluate_creep_rate
+
+
+  !> What CETOL limits: the difference of the creep strains of an increment by the conditions at its end and at its start [-].
+  !!
+  !! | law | by |
+  !! |---|---|
+  !! | LAW_SAINT_VENANT, as CalculiX | the rates of the two instants; a rate at the start without creep before it counts as zero |
+  !! | other | the stresses of the two instants, with t or e integrated: a constant stress has none |
+  pure function creep_strain_difference(material, temperature, times, c, q) result(difference)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: temperature(2)         !< at the start and at the end [temperature]
+    real(DP), intent(in) :: times(2)               !< end and length of the increment [time]
+    real(DP), intent(in) :: c(2)                   !< creep strains at the start and at the end [-]
+    real(DP), intent(in) :: q(2)                   !< von Mises stresses, likewise [stress]
+    real(DP) :: difference
+    type(return_problem_type) :: problem
+    real(DP) :: strain(2), unused(2)
+    integer :: i
+    strain = 0
+    do i = 1, 2
+      if (.not. (q(i) > 0 .and. times(2) > 0)) cycle
+      problem = return_problem_type(G=0, q_trial=0, temperature=temperature(i), times=[times, times(1) - times(2)], p_old=0, &
+        c_old=c(1), back_old=0, creep=0)
+      call evaluate_table(material%creep, temperature(i), problem%creep)
+      if (material%law == LAW_SAINT_VENANT) then
+        if (i == 1) problem%times(1) = times(1) - times(2)
+        strain(i) = times(2) * instantaneous_rate(material, problem, q(i), c(i))
+      else
+        call evaluate_creep_increment(material, problem, q(i), 0.0_DP, strain(i), unused(1))
+      end if
+    end do
+    difference = abs(strain(2) - strain(1))
+  end function creep_strain_difference
+
+
+  !> The rate of creep at an instant: A q^n t^m, or (A q^n ((m + 1) c)^m)^(1/(m + 1)); zero where creep only begins and m < 0.
+  pure real(DP) function instantaneous_rate(material, problem, q, c) result(rate)
+    type(material_type), intent(in) :: material
+    type(return_problem_type), intent(in) :: problem
+    real(DP), intent(in) :: q                      !< von Mises stress [stress]
+    real(DP), intent(in) :: c                      !< creep strain [-]
+    associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), time => problem%times(1))
+      rate = 0
+      if (abs(m) <= epsilon(m)) then
+        rate = A * q**n
+      else if (material%creep_law == CREEP_TIME_HARDENING) then
+        if (time > 0) rate = A * q**n * time**m
+      else if (c > 0) then
+        rate = (A * q**n * ((m + 1) * c)**m)**(1 / (m + 1))
+      end if
+    end associate
+  end function instantaneous_rate
 
 
   !> Ramberg and Osgood's law, in tension E e = q + alpha q (q/s)^(n-1), for deviators: the stress q of the equivalent
@@ -344,14 +398,14 @@ contains
     real(DP), intent(in) :: C(6, 6)                !< elasticity, engineering shears [stress]
     real(DP), intent(in) :: e(6)                   !< elastic trial strain, engineering shears [-]
     real(DP), intent(in) :: temperature            !< [temperature]
-    real(DP), intent(in) :: times(2)               !< end and length of the increment [time]
+    real(DP), intent(in) :: times(3)               !< end and length of the increment, start of the mean of time hardening [time]
     real(DP), intent(in) :: history_old(MAX_HISTORY)      !< committed
     type(anisotropic_return_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
     type(return_problem_type) :: problem
     real(DP) :: yield, slope
     status = RETURN_OK
-    problem = return_problem_type(G=0, q_trial=0, temperature=temperature, time=times(1), dt=times(2), &
+    problem = return_problem_type(G=0, q_trial=0, temperature=temperature, times=times, &
       p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
     call set_anisotropic_stress(C, e, 0.0_DP, solution)
     problem%q_trial = solution%q

@@ -248,6 +248,7 @@ module amontons_controls
     real(DP) :: d_f = 0.25_DP              !< cut-back factor: divergence
     real(DP) :: d_c = 0.5_DP               !< cut-back factor: too slow
     real(DP) :: d_b = 0.75_DP              !< factor after slow convergence (i_l)
+    real(DP) :: d_a = 0.85_DP              !< cut-back factor: CETOL, times what it allows over what was found
     real(DP) :: d_d = 1.5_DP               !< factor after fast convergence (i_g)
     ! FIELD
     real(DP) :: r_n = 1.0e-6_DP            !< residual over the largest force [-]

@@ -90,6 +90,7 @@ module amontons_steps
     type(distributed_type), allocatable :: distributed(:)
     type(temperature_type), allocatable :: temperatures(:)   !< nodes not in it keep their temperature
     logical :: has_creep = .false.       !< VISCO: materials creep
+    real(DP) :: creep_tolerance = 0        !< CETOL: most difference of creep strains of an increment; 0: not given [-]
     logical :: is_long_term = .false.    !< STATIC, LONG TERM: viscoelastic materials are relaxed
     logical :: is_dynamic = .false.        !< DYNAMIC, APPLICATION=QUASI-STATIC: inertia, by backward Euler
     logical :: is_riks = .false.           !< RIKS: the loads follow the equilibrium path; times are lengths of its arc

@@ -1,13 +1,15 @@
 !> Sentences of a failure: its name, its cause and its remedy, from the failure code.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_failure_messages
+  use amontons_kinds, only: DP
   use amontons_text, only: to_text
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_MATERIAL, FAILURE_SINGULAR, FAILURE_NOT_FINITE, &
     FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_LEFT_MASTER, &
     FAILURE_CYCLE, FAILURE_FLIP, FAILURE_UNSETTLED, FAILURE_PASSED_THROUGH, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
-    FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, FAMILY_MATERIAL, &
+    FAILURE_CONTACT_LIMIT, FAILURE_GROWING, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, FAILURE_CREEP, &
+    FAMILY_MATERIAL, &
     FAMILY_SOLVER, FAMILY_CONSTRAINTS, FAMILY_FREE_BODY, FAMILY_LEFT_MASTER, FAMILY_CYCLE, FAMILY_FLIP, FAMILY_UNSETTLED, &
-    FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL
+    FAMILY_PENETRATION, FAMILY_LIMIT_POINT, FAMILY_SLOW, FAMILY_USER_ROUTINE, FAMILY_SIGNAL, FAMILY_CREEP
   implicit none
   private
   public :: failure_words, failure_name, remedy_words, node_list, is_same_failure
@@ -73,6 +75,9 @@ contains
       words = 'the force imbalance grows from iteration to iteration.'
     case (FAILURE_USER_ROUTINE)
       words = 'PNEWDT is ' // to_text(failure%number) // '.'
+    case (FAILURE_CREEP)
+      words = 'the creep strains by the conditions at the end and at the start of the increment differ by ' // &
+        to_text(0.01_DP * real(nint(100 * failure%number), DP)) // ' CETOL in element ' // first_of(failure) // '.'
     case default
       words = 'the force imbalance does not fall any more.'
     end select
@@ -110,6 +115,8 @@ contains
       words = 'A user routine requests a smaller increment'
     case (FAMILY_SIGNAL)
       words = 'The job was stopped by a signal'
+    case (FAMILY_CREEP)
+      words = 'CREEP'
     case default
       words = ''
     end select
@@ -137,6 +144,8 @@ contains
       words = 'smaller increments, so that a node moves less than half an edge of the master in each.'
     case (FAMILY_LIMIT_POINT)
       words = 'follow the path beyond this load (*STATIC, RIKS), prescribe displacements, or damp the step (*STATIC, STABILIZE).'
+    case (FAMILY_CREEP)
+      words = 'a smaller least increment (the third number after *VISCO), a larger CETOL, or a load that grows with an AMPLITUDE.'
     case default
       words = 'smaller increments (the first number after *STATIC; the third is the least allowed).'
     end select

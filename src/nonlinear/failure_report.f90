@@ -36,6 +36,7 @@ module amontons_failure_report
   use amontons_active_set_history, only: most_constrained_status, find_cycle, cycling_slaves, is_stick_slip_flip, &
     slaves_off_master, suddenly_deep_slaves, status_trace
   use amontons_convergence, only: VERDICT_DIVERGES
+  use amontons_creep_accuracy, only: check_creep
   use amontons_globalization, only: is_repeatedly_unsolved, STEP_KIND_NEWTON
   use amontons_newton, only: newton_type
   use amontons_equilibrium, only: equilibrium_type, OUTCOME_OK, OUTCOME_ELEMENT, OUTCOME_LINEAR_SOLVER, OUTCOME_NOT_FINITE, &
@@ -439,8 +440,17 @@ contains
     type(model_type), intent(in) :: model
     type(state_type), intent(in) :: state          !< converged, not yet committed, its works summed
     character(REPORT_LINE_LENGTH), allocatable :: lines(:)
-    real(DP) :: missed, taken
+    type(failure_type) :: unused
+    real(DP) :: missed, taken, ratio
     lines = describe_edge_events(model, state)
+    associate (step => model%steps(max(1, state%new%step)))
+      if (step%is_direct) then
+        call check_creep(model, step, state, ratio, unused)
+        if (ratio > 1) lines = [character(REPORT_LINE_LENGTH) :: lines, '*WARNING: the creep strains by the conditions at the ' // &
+          'end and at the start of the increment differ by ' // to_text(0.01_DP * real(nint(100 * ratio), DP)) // ' CETOL; ' // &
+          'DIRECT keeps its length.']
+      end if
+    end associate
     associate (old => state%old, new => state%new)
       if (size(new%modes) == 0) return
       missed = sum(new%modes(MAX_ELEMENT_AMPLITUDES, :) - old%modes(MAX_ELEMENT_AMPLITUDES, :))

@@ -6,6 +6,7 @@ module amontons_increment_control
   use amontons_kinds, only: DP
   use amontons_steps, only: step_type, next_time_point, TOL_STOP_TIME
   use amontons_convergence, only: VERDICT_DIVERGES
+  use amontons_failure, only: failure_type, FAILURE_USER_ROUTINE, FAILURE_CREEP
   implicit none
   private
   public :: increment_control_type, attempt_effort_type, &
@@ -22,6 +23,7 @@ module amontons_increment_control
     integer :: n_iterations = 0
     integer :: n_status_changes = 0                    !< slave nodes whose status changed after the first iteration
     integer :: n_cycles_treated = 0                        !< active-set cycles that were treated
+    real(DP) :: creep_ratio = 0                        !< difference of creep strains over CETOL [-]
   end type attempt_effort_type
 
   !> Position of the job in time. Times are committed times.
@@ -92,14 +94,15 @@ contains
   end subroutine accept_increment
 
 
-  !> Adapts the length of the next increment. It grows after two consecutive fast increments and shrinks after a slow one. It does
-  !! not grow after active-set cycles. In a step with a failed attempt it does not grow either where statuses changed after the
-  !! first iteration and convergence took more than max_quick_iterations iterations.
+  !> Adapts the length of the next increment. It grows after two consecutive fast increments, as far as CETOL allows, and shrinks
+  !! after a slow one. It does not grow after active-set cycles. In a step with a failed attempt it does not grow either where
+  !! statuses changed after the first iteration and convergence took more than max_quick_iterations iterations.
   pure subroutine adapt_increment(stepping, step, effort)
     type(increment_control_type), intent(inout) :: stepping
     type(step_type), intent(in) :: step
     type(attempt_effort_type), intent(in) :: effort
     logical :: is_fast, is_contact_predicted
+    real(DP) :: growth
     is_contact_predicted = effort%n_status_changes == 0 .or. &
       effort%n_iterations <= step%controls%increments%max_quick_iterations
     is_fast = effort%n_iterations <= step%controls%i_g .and. effort%n_cycles_treated == 0 .and. (is_contact_predicted &
@@ -108,7 +111,9 @@ contains
     if (effort%n_iterations > step%controls%i_l) then
       stepping%dt = max(step%dt_min, step%controls%d_b * stepping%dt)
     else if (stepping%n_fast_increments >= step%controls%increments%min_fast_increments) then
-      stepping%dt = min(step%dt_max, step%controls%d_d * stepping%dt)
+      growth = step%controls%d_d
+      if (effort%creep_ratio * growth > step%controls%d_a) growth = max(1.0_DP, step%controls%d_a / effort%creep_ratio)
+      stepping%dt = min(step%dt_max, growth * stepping%dt)
     end if
   end subroutine adapt_increment
 
@@ -122,17 +127,26 @@ contains
   end function can_cut_back
 
 
-  !> Rejects a failed attempt: cut back, or give up with DIRECT, after i_a cut-backs, or at the minimum increment.
-  pure subroutine reject_increment(stepping, step, dt, verdict, outcome)
+  !> Rejects a failed attempt: cut back, or give up with DIRECT, after i_a cut-backs, or at the minimum increment. A user routine
+  !! and CETOL say how much shorter the next attempt is; CETOL may cut back more often, since each attempt comes nearer.
+  pure subroutine reject_increment(stepping, step, dt, verdict, failure, outcome)
     type(increment_control_type), intent(inout) :: stepping
     type(step_type), intent(in) :: step
     real(DP), intent(in) :: dt                     !< length of the attempt [time]
     integer, intent(in) :: verdict                 !< VERDICT_...
+    type(failure_type), intent(in) :: failure
     integer, intent(out) :: outcome                !< OUTCOME_CUT_BACK or OUTCOME_GIVE_UP
     outcome = OUTCOME_GIVE_UP
-    if (step%is_direct .or. stepping%attempt > step%controls%i_a) return
+    if (step%is_direct .or. (stepping%attempt > step%controls%i_a .and. failure%code /= FAILURE_CREEP)) return
     stepping%has_failed = .true.
-    stepping%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
+    select case (failure%code)
+    case (FAILURE_USER_ROUTINE)
+      stepping%dt = dt * failure%number
+    case (FAILURE_CREEP)
+      stepping%dt = dt * step%controls%d_a / failure%number
+    case default
+      stepping%dt = dt * merge(step%controls%d_f, step%controls%d_c, verdict == VERDICT_DIVERGES)
+    end select
     if (stepping%dt < step%dt_min) then
       if (dt <= step%dt_min * (1.0_DP + TOL_STOP_TIME)) return
       stepping%dt = step%dt_min

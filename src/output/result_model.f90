@@ -327,13 +327,13 @@ contains
     type(error_type), allocatable, intent(out) :: error
     character(240) :: titles(size(steps))
     integer :: integers(7, size(steps)), i
-    real(DP) :: reals(11, size(steps))
+    real(DP) :: reals(12, size(steps))
     do i = 1, size(steps)
       associate (step => steps(i))
         titles(i) = text_or_empty(step%title)
         integers(:6, i) = [merge(1, 0, step%is_nlgeom), step%max_increments, merge(1, 0, step%is_direct), &
           step%line_search, step%file_frequency, step%print_frequency]
-        reals(:4, i) = [step%dt_initial, step%period, step%dt_min, step%dt_max]
+        reals(:5, i) = [step%dt_initial, step%period, step%dt_min, step%dt_max, step%creep_tolerance]
       end associate
     end do
     call write_columns(store, '/AMONTONS/steps', STEP_COLUMNS, integers, reals, error)
@@ -342,7 +342,7 @@ contains
     do i = 1, size(steps)
       associate (c => steps(i)%controls)
         integers(:, i) = [c%i_0, c%i_r, c%i_p, c%i_c, c%i_l, c%i_g, c%i_a]
-        reals(:, i) = [c%d_f, c%d_c, c%d_b, c%d_d, c%r_n, c%c_n, c%r_p, c%r_l, c%s_max, c%s_min, c%gap_tolerance]
+        reals(:, i) = [c%d_f, c%d_c, c%d_b, c%d_a, c%d_d, c%r_n, c%c_n, c%r_p, c%r_l, c%s_max, c%s_min, c%gap_tolerance]
       end associate
     end do
     if (.not. allocated(error)) call write_columns(store, '/AMONTONS/controls', CONTROL_COLUMNS, integers, reals, error)

@@ -163,7 +163,7 @@ module amontons_result_schema
   integer, parameter :: N_ITERATION_INTEGERS = sum(ITERATION_COLUMNS%width, mask=ITERATION_COLUMNS%is_integer)
   integer, parameter :: N_ITERATION_REALS = sum(ITERATION_COLUMNS%width, mask=.not. ITERATION_COLUMNS%is_integer)
 
-  type(result_column_type), parameter :: STEP_COLUMNS(10) = [ &
+  type(result_column_type), parameter :: STEP_COLUMNS(11) = [ &
     result_column_type('is_nlgeom', 1, '[-]', '1: large displacements.', .true.), &
     result_column_type('max_increments', 1, '[-]', 'Most increments.', .true.), &
     result_column_type('is_direct', 1, '[-]', '1: fixed increments.', .true.), &
@@ -173,9 +173,10 @@ module amontons_result_schema
     result_column_type('dt_initial', 1, '[time]', 'First increment.'), &
     result_column_type('period', 1, '[time]', 'Length of the step.'), &
     result_column_type('dt_min', 1, '[time]', 'Smallest increment.'), &
-    result_column_type('dt_max', 1, '[time]', 'Largest increment.')]
+    result_column_type('dt_max', 1, '[time]', 'Largest increment.'), &
+    result_column_type('creep_tolerance', 1, '[-]', 'CETOL; 0: not given.')]
 
-  type(result_column_type), parameter :: CONTROL_COLUMNS(18) = [ &
+  type(result_column_type), parameter :: CONTROL_COLUMNS(19) = [ &
     result_column_type('i_0', 1, '[-]', &
       'Iteration after which the residuals must fall in two consecutive iterations.', .true.), &
     result_column_type('i_r', 1, '[-]', 'Iteration after which a logarithmic estimate decides to cut back.', .true.), &
@@ -188,6 +189,7 @@ module amontons_result_schema
     result_column_type('d_f', 1, '[-]', 'Cut-back factor: divergence.'), &
     result_column_type('d_c', 1, '[-]', 'Cut-back factor: too slow.'), &
     result_column_type('d_b', 1, '[-]', 'Factor after slow convergence.'), &
+    result_column_type('d_a', 1, '[-]', 'Cut-back factor: CETOL, times what it allows over what was found.'), &
     result_column_type('d_d', 1, '[-]', 'Factor after fast convergence.'), &
     result_column_type('r_n', 1, '[-]', 'Tolerance of the residual over the largest force.'), &
     result_column_type('c_n', 1, '[-]', 'Tolerance of the correction over the largest increment of displacement.'), &

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verify.decks.make_decks import block
+from verify.decks.make_decks import block, join
 from verify.decks.solids import as_kind
 
 SPRING_SOFT, SPRING_CUBIC = 0.1, 1.0  # the spring's force: SPRING_SOFT u + SPRING_CUBIC u^3
@@ -82,3 +82,42 @@ FIXED, 1, 3
 9001, 1, 3
 9002, 1, 3
 {steps}"""
+
+
+def tied_tee(controls: str = "") -> str:
+    """A clamped plate of C3D8I, 10 by 2 by 0.5, with an upright one and a gusset tied to it and to each other, bent and twisted in one
+    increment: bending and membrane motion are corrected in turn. The corner nodes of the gusset are slaves of two ties. The deck is
+    of the calculix dialect.
+    """
+    cells = {"BASE": (40, 4, 2), "UPRIGHT": (2, 4, 20), "GUSSET": (22, 3, 17)}
+    lows = {"BASE": (0.0, 0.0, -0.5), "UPRIGHT": (4.75, 0.0, 0.0), "GUSSET": (5.25, 0.5, 0.0)}
+    highs = {"BASE": (10.0, 2.0, 0.0), "UPRIGHT": (5.25, 2.0, 5.0), "GUSSET": (9.0, 1.5, 3.0)}
+    blocks = join([block(*(np.linspace(a, b, n + 1) for a, b, n in zip(lows[k], highs[k], cells[k], strict=True)), k) for k in cells])
+    mesh = as_kind(blocks, "C3D8I")
+    x = blocks.nodes
+    sets = {"FIXED": np.isclose(x[:, 0], 0.0), "TIP": np.isclose(x[:, 2], 5.0),
+            "SIDE": np.isclose(x[:, 0], 9.0) & np.isclose(x[:, 2], 3.0)}
+    cards = "".join(f"*NSET, NSET={name}\n" + "".join(f"{k + 1},\n" for k in np.flatnonzero(chosen)) for name, chosen in sets.items())
+    sides = (("BASE_TOP", 2, 0.0, 2), ("UPRIGHT_BOTTOM", 2, 0.0, 1), ("GUSSET_BOTTOM", 2, 0.0, 1), ("UPRIGHT_PLANE", 0, 5.25, 4),
+             ("GUSSET_PLANE", 0, 5.25, 6))
+    for name, axis, value, face in sides:
+        chosen = [e for e in blocks.element_sets[name.split("_")[0]] if np.isclose(x[blocks.elements[e], axis], value).sum() == 4]
+        cards += f"*SURFACE, NAME={name}\n" + "".join(f"{e + 1}, S{face}\n" for e in chosen)
+    for slave, master in (("UPRIGHT_BOTTOM", "BASE_TOP"), ("GUSSET_BOTTOM", "BASE_TOP"), ("GUSSET_PLANE", "UPRIGHT_PLANE")):
+        cards += f"*TIE, NAME={slave}, POSITION TOLERANCE=.01\n{slave}, {master}\n"
+    return f"""** dialect: calculix
+{mesh.cards()}{cards}*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., .3
+*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL
+*BOUNDARY
+FIXED, 1, 3
+*STEP, NLGEOM
+*STATIC
+{controls}*CLOAD
+TIP, 1, {-100 / sets["TIP"].sum():.10g}
+SIDE, 3, -20.
+*NODE PRINT, NSET=TIP
+U
+*END STEP
+"""

@@ -114,6 +114,12 @@ contains
       all(model%steps(1)%distributed%face == [2, 1]))
     call read_step('*DLOAD;1,P3NU,3.;')
     call suite%that('by DLOAD', model%steps(1)%distributed(1)%is_user .and. model%steps(1)%distributed(1)%face == 3)
+    call read_step('*DLOAD;2,TRVEC1,5.,0,3,4;2,TRSHR2,1.,0,1,0;')
+    associate (d => model%steps(1)%distributed)
+      call suite%that('traction on faces of elements', size(d) == 2 .and. all(d%kind == DISTRIBUTED_TRACTION) .and. &
+        all(d%element == 2) .and. all(d%face == [1, 2]))
+      call suite%near('its direction', maxval(abs(d(1)%direction - [0.0_DP, 0.6_DP, 0.8_DP])), 0.0_DP, 1.0e-15_DP)
+    end associate
     call read_step('*DSLOAD, FOLLOWER=NO, CONSTANT RESULTANT=YES;UP,TRVEC,5.,0,3,4;')
     associate (d => model%steps(1)%distributed)
       call suite%that('traction', size(d) == 2 .and. all(d%kind == DISTRIBUTED_TRACTION) .and. all(d%face == [2, 1]) .and. &
@@ -163,6 +169,8 @@ contains
     call expect('*DLOAD;E,PRESS,1.;', 'it is ''PRESS''')
     call expect('*DSLOAD;UP,P1,1.;', 'TRVEC, a force')
     call expect('*DSLOAD;E,P,1.;', 'is a set of elements')
+    call expect('*DLOAD;1,TRVEC1NU,1.,0,0,1;', 'from the routine UTRACLOAD')
+    call expect('*DLOAD;1,TRVEC7,1.,0,0,1;', 'takes no load TRVEC7')
     call expect('*DSLOAD;NIX,P,1.;', 'no surface ''NIX''')
     call expect('*DSLOAD;DOTS,P,1.;', 'made of nodes')
     call expect('*DSLOAD;UP,TRVEC,1.;', 'direction must not be zero')

@@ -4,7 +4,7 @@ program test_failure_messages
   use amontons_kinds, only: DP
   use amontons_failure, only: failure_type, family_of, FAILURE_NONE, FAILURE_SINGULAR, FAILURE_CONSTRAINTS, FAILURE_FREE_PUSHED, &
     FAILURE_FREE_FLYING, FAILURE_FREE_OPEN, FAILURE_FREE_MOTION, FAILURE_CYCLE, FAILURE_FLIP, FAILURE_DEEP, FAILURE_LIMIT_POINT, &
-    FAILURE_CONTACT_LIMIT, FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, N_FAILURES, &
+    FAILURE_CONTACT_LIMIT, FAILURE_SLOW, FAILURE_USER_ROUTINE, FAILURE_SIGNAL, FAILURE_CROSSING, FAILURE_CREEP, N_FAILURES, &
     FAMILY_FREE_BODY, FAMILY_NONE, &
     FAMILY_LIMIT_POINT
   use amontons_failure_messages, only: failure_words, failure_name, remedy_words, is_same_failure
@@ -82,6 +82,9 @@ contains
       'unstably.')
     failure = sample(FAILURE_USER_ROUTINE)
     call suite%that('user routine', failure_words(failure) == 'A user routine requests a smaller increment: PNEWDT is 0.5.')
+    failure = sample(FAILURE_CREEP)
+    call suite%that('creep', failure_words(failure) == 'CREEP: the creep strains by the conditions at the end and at the ' // &
+      'start of the increment differ by 0.5 CETOL in element 12.')
     failure = sample(FAILURE_SIGNAL)
     call suite%that('signal', failure_words(failure) == 'The job was stopped by a signal.')
     failure = sample(FAILURE_CONSTRAINTS)

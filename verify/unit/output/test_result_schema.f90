@@ -32,8 +32,8 @@ contains
     call expect('pairs', PAIR_COLUMNS, N_PAIR_INTEGERS, N_PAIR_REALS)
     call expect('history', HISTORY_COLUMNS, N_HISTORY_INTEGERS, N_HISTORY_REALS)
     call expect('iterations', ITERATION_COLUMNS, N_ITERATION_INTEGERS, N_ITERATION_REALS)
-    call expect('steps', STEP_COLUMNS, 6, 4)
-    call expect('controls', CONTROL_COLUMNS, 7, 11)
+    call expect('steps', STEP_COLUMNS, 6, 5)
+    call expect('controls', CONTROL_COLUMNS, 7, 12)
   end subroutine check_widths
 
 
