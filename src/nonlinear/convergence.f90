@@ -71,17 +71,21 @@ contains
   !! residual. It is the least of the last correction, and the largest of three forecasts of the next one: the last two corrections,
   !! each times the residual over the residual that it removed; and quadratic convergence. One residual alone forecasts too little
   !! where stiff parts had most of it and soft parts have the rest. Where the residual rose before this iteration, stiff and soft
-  !! motions are corrected in turn: the last correction and the forecasts say nothing of the next one, which is made. A first
-  !! iteration has no forecast. Its correction counts only if the residual before it was at most the largest force: beyond, forces
-  !! that no equilibrium has may make the tangent of the start far too stiff, e.g. the tension of a rope that the extrapolation of a
-  !! rotation stretches.
+  !! motions are corrected in turn: a small last correction bounds nothing; the forecasts count alone, times the factor of the rise
+  !! by which each residual understates the motion that it lacks. A first iteration has no forecast. Its correction counts only if
+  !! the residual before it was at most the largest force: beyond, forces that no equilibrium has may make the tangent of the start
+  !! far too stiff, e.g. the tension of a rope that the extrapolation of a rotation stretches.
   pure real(DP) function estimate_error(measures) result(error)
     type(convergence_measures_type), intent(in) :: measures
     error = measures%correction(0)
     if (measures%iteration == 1) then
       if (measures%residual(1) > 1) error = huge(1.0_DP)
     else if (measures%residual(1) > measures%residual(2)) then
-      error = huge(1.0_DP)
+      if (.not. measures%residual(2) > 0) return
+      associate (forecast => measures%residual(0) * maxval(measures%correction / measures%residual(1:)) * measures%residual(1) / &
+          measures%residual(2))
+        error = merge(forecast, max(error, forecast), measures%is_whole_step .and. measures%residual(0) < measures%residual(1))
+      end associate
     else if (measures%is_whole_step .and. measures%residual(0) < minval(measures%residual(1:)) .and. &
       measures%correction(0) < measures%correction(1)) then
       error = min(error, max(measures%residual(0) * maxval(measures%correction / measures%residual(1:)), &

@@ -125,7 +125,7 @@ contains
     call suite%that('a residual that returns', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
     measures%residual = [1.0e-4_DP, 1.0_DP, 2.0e-4_DP]   ! 0.5 for 2e-4 leaves 0.25 for 1e-4
     call suite%that('the larger of two forecasts', assess_convergence(sample_controls(), measures) == VERDICT_CONTINUE)
-    measures%residual = [1.2e-4_DP, 3.7e-2_DP, 3.9e-3_DP]   ! stiff and soft motions are corrected in turn
+    measures%residual = [1.2e-5_DP, 3.7e-2_DP, 3.9e-3_DP]   ! stiff and soft motions are corrected in turn
     measures%correction = [6.1e-3_DP, 0.41_DP]
     call suite%that('a small correction after a residual that rose', assess_convergence(sample_controls(), measures) == &
       VERDICT_CONTINUE)
