@@ -201,7 +201,7 @@ contains
   pure subroutine full_triangle(full, matrix)
     real(DP), intent(in) :: full(:, :)
     type(sparse_type), intent(out) :: matrix
-    integer :: i, p
+    integer :: i, j, p
     associate (n => size(full, 1))
       matrix%n_rows = n
       matrix%n_columns = n
@@ -209,21 +209,13 @@ contains
       p = 1
       do i = 1, n
         matrix%first(i) = p
-        matrix%column(p:p + n - i) = [integer :: i, count_up(i + 1, n)]
+        matrix%column(p:p + n - i) = [(j, j=i, n)]
         matrix%value(p:p + n - i) = full(i:, i)
         p = p + n - i + 1
       end do
       matrix%first(n + 1) = p
     end associate
   end subroutine full_triangle
-
-
-  !> Whole numbers from low to high.
-  pure function count_up(low, high) result(numbers)
-    integer, intent(in) :: low, high
-    integer :: numbers(max(0, high - low + 1)), i
-    numbers = [(i, i=low, high)]
-  end function count_up
 
 
   !> Factorizes the inner block of this rank and the border.
@@ -234,7 +226,8 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(DP), allocatable :: triangle(:, :), schur(:, :)
     type(sparse_type) :: border
-    integer :: i, p, n_inner, others
+    integer :: i, p, n_inner
+    real(DP) :: others                             ! ranks beside this one
     do i = 1, size(self%source)
       self%matrix%value(i) = 0
       if (self%source(i) > 0) self%matrix%value(i) = matrix%value(self%source(i))
@@ -250,11 +243,11 @@ contains
     deallocate (triangle)
     call sum_over_ranks(schur)
     n_inner = size(self%unknown) - self%n_border
-    others = n_ranks() - 1
+    others = real(n_ranks() - 1, DP)
     do i = n_inner + 1, size(self%unknown)
       do p = self%matrix%first(i), self%matrix%first(i + 1) - 1
         associate (j => self%matrix%column(p))
-          schur(j - n_inner, i - n_inner) = schur(j - n_inner, i - n_inner) - real(others, DP) * self%matrix%value(p)
+          schur(j - n_inner, i - n_inner) = schur(j - n_inner, i - n_inner) - others * self%matrix%value(p)
         end associate
       end do
     end do

@@ -46,8 +46,8 @@ module amontons_plasticity
 
   !> The increment's fixed data, for the scalar equations.
   type :: return_problem_type
-    real(DP) :: G, q_trial, temperature, p_old, c_old, back_old
-    real(DP) :: times(3)                           !< of map_radial_return [time]
+    real(DP) :: G, q_trial, temperature, time, dt, p_old, c_old, back_old
+    real(DP) :: mean_start                         !< of the mean of time hardening, which ends with the increment [time]
     real(DP) :: creep(3)                           !< A, n, m
   end type return_problem_type
 
@@ -92,7 +92,7 @@ contains
       return
     end if
     status = RETURN_OK
-    problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, times=times, &
+    problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), mean_start=times(3), &
       p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
     if (material%creep_law /= CREEP_NONE) call evaluate_table(material%creep, temperature, problem%creep)
     if (allocated(material%kinematic_hardening)) call evaluate_curves(material%kinematic_hardening, temperature, problem%p_old, &
@@ -171,12 +171,12 @@ contains
       call evaluate_creep_rate(material, problem, problem%q_trial - 3 * problem%G * c, c, rate, rate_q, rate_c)
       if (search%is_found) status = RETURN_OK
       if (search%is_found) exit
-      call improve_root(search, c - problem%times(2) * rate, 1 + problem%times(2) * (3 * problem%G * rate_q - rate_c))
+      call improve_root(search, c - problem%dt * rate, 1 + problem%dt * (3 * problem%G * rate_q - rate_c))
     end do
     solution%creep = c
     solution%ratio = 1 - c / (problem%q_trial / (3 * problem%G))
-    solution%slope = 1 - 3 * problem%G * problem%times(2) * rate_q &
-      / (1 + problem%times(2) * (3 * problem%G * rate_q - rate_c))
+    solution%slope = 1 - 3 * problem%G * problem%dt * rate_q &
+      / (1 + problem%dt * (3 * problem%G * rate_q - rate_c))
   end subroutine solve_creep
 
 
@@ -252,18 +252,18 @@ contains
     integer :: i
     c = 0
     dc = 0
-    if (material%creep_law == CREEP_NONE .or. .not. problem%times(2) > 0) return
+    if (material%creep_law == CREEP_NONE .or. .not. problem%dt > 0) return
     do i = 1, MAX_ROOT_ITERATIONS                        ! a fixed point for strain hardening, at once for time hardening
       call evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
-      if (abs(c - problem%times(2) * rate) <= TOL_ROOT * problem%times(2) * rate) exit
-      c = problem%times(2) * rate
+      if (abs(c - problem%dt * rate) <= TOL_ROOT * problem%dt * rate) exit
+      c = problem%dt * rate
     end do
-    dc = problem%times(2) * rate_q * q_slope / (1 - problem%times(2) * rate_c)
+    dc = problem%dt * rate_q * q_slope / (1 - problem%dt * rate_c)
   end subroutine evaluate_creep_increment
 
 
   !> The rate of creep and its derivatives by stress and by the creep strain of the increment.
-  !! Time hardening A q^n t^m, its mean from times(3) to the end of the increment (times(3) = times(1): there); strain hardening
+  !! Time hardening A q^n t^m, its mean from mean_start to the end of the increment (if both are one: there); strain hardening
   !! (A q^n ((m + 1) c)^m)^(1/(m + 1)), here in the integrated form
   !! dc/dt = (C(t_s + dt) - C(t_s))/dt with C(t) = A q^n t^(m+1)/(m + 1) and t_s such that C(t_s) = c_old.
   pure subroutine evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
@@ -279,15 +279,14 @@ contains
     rate_q = 0
     rate_c = 0
     if (.not. q > 0 .or. c < 0) return
-    associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), time => problem%times(1), &
-        dt => problem%times(2))
+    associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), time => problem%time, dt => problem%dt)
       s = A * q**n
       k = m + 1
       if (abs(m) <= epsilon(m)) then
         rate = s
         rate_q = n * s / q
       else if (material%creep_law == CREEP_TIME_HARDENING) then
-        before = max(problem%times(3), 0.0_DP)
+        before = max(problem%mean_start, 0.0_DP)
         rate = s * time**m
         if (before < time) rate = s * (time**k - before**k) / (k * (time - before))
         rate_q = n * rate / q
@@ -320,11 +319,11 @@ contains
     strain = 0
     do i = 1, 2
       if (.not. (q(i) > 0 .and. times(2) > 0)) cycle
-      problem = return_problem_type(G=0, q_trial=0, temperature=temperature(i), times=[times, times(1) - times(2)], p_old=0, &
-        c_old=c(1), back_old=0, creep=0)
+      problem = return_problem_type(G=0, q_trial=0, temperature=temperature(i), time=times(1), dt=times(2), &
+        mean_start=times(1) - times(2), p_old=0, c_old=c(1), back_old=0, creep=0)
       call evaluate_table(material%creep, temperature(i), problem%creep)
       if (material%law == LAW_SAINT_VENANT) then
-        if (i == 1) problem%times(1) = times(1) - times(2)
+        if (i == 1) problem%time = problem%mean_start
         strain(i) = times(2) * instantaneous_rate(material, problem, q(i), c(i))
       else
         call evaluate_creep_increment(material, problem, q(i), 0.0_DP, strain(i), unused(1))
@@ -340,7 +339,7 @@ contains
     type(return_problem_type), intent(in) :: problem
     real(DP), intent(in) :: q                      !< von Mises stress [stress]
     real(DP), intent(in) :: c                      !< creep strain [-]
-    associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), time => problem%times(1))
+    associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), time => problem%time)
       rate = 0
       if (abs(m) <= epsilon(m)) then
         rate = A * q**n
@@ -405,7 +404,7 @@ contains
     type(return_problem_type) :: problem
     real(DP) :: yield, slope
     status = RETURN_OK
-    problem = return_problem_type(G=0, q_trial=0, temperature=temperature, times=times, &
+    problem = return_problem_type(G=0, q_trial=0, temperature=temperature, time=times(1), dt=times(2), mean_start=times(3), &
       p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
     call set_anisotropic_stress(C, e, 0.0_DP, solution)
     problem%q_trial = solution%q
