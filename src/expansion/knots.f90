@@ -54,6 +54,7 @@ contains
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
           call add_knot(model, turns_far, i, last, mpcs, n_mpcs)
+          if (.not. turns_far .and. model%dialect /= DIALECT_CALCULIX) call add_twist(model, i, last, equations, n)
           if (is_drill_driven(model, i, last)) call add_drill_mpc(model, structure%directors(i), &
             elements_at(first_at(structure%directors(i)%node):first_at(structure%directors(i)%node + 1) - 1), mpcs, n_mpcs)
           if (.not. is_drill_free(structure%directors(i)%node)) call hold_drill(model, structure%directors(i:last), &
@@ -334,7 +335,7 @@ contains
   !> The inner nodes of a fibre or cross-section follow the knot within the shell and along the beam, so that clamped edges and
   !! joints are as stiff in tension as the rest. Across them they are free: bending strains thickness and cross-section. Where a
   !! cross-section may turn by finite rotations, its inner nodes follow the knot in all directions, since the axes of rows do not
-  !! turn.
+  !! turn; else its sides twist with the knot alone (add_twist).
   pure function inner_nodes_of_knot(knot, director, turns_far) result(mpc)
     type(nonlinear_mpc_type), intent(in) :: knot !< of the outer nodes
     type(director_type), intent(in) :: director  !< with inner nodes that the knot leaves
@@ -360,6 +361,39 @@ contains
     end if
     mpc%axes = spread(axes, 3, size(mpc%node))
   end function inner_nodes_of_knot
+
+
+  !> Opposite sides of a cross-section of 8 nodes twist with the knot: the difference of the displacements of their middles along
+  !! them is that of the knot's rotation about the beam. Without it a torque would enter at the corners alone, and the twist grow
+  !! with every refinement of the mesh. The mean of both stays free, as bending moves both alike where Poisson's ratio curves the
+  !! sides.
+  subroutine add_twist(model, first, last, equations, n)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: first, last           !< directors of the knot
+    type(equation_type), intent(inout) :: equations(:)
+    integer, intent(inout) :: n                  !< number of equations
+    integer, parameter :: SIDES(2, 2) = reshape([5, 7, 6, 8], [2, 2])   !< pairs of opposite sides: against and along direction 1, 2
+    real(DP) :: along(3), tangent(3)
+    integer :: i, k, two(2), rotation
+    do i = first, last
+      associate (director => model%structure%directors(i))
+        if (director%n_outer /= 4 .or. size(director%nodes) == director%n_outer) cycle
+        rotation = model%rotation_of(director%node)
+        tangent = cross_product(director%axes(:, 1), director%axes(:, 2))
+        do k = 1, 2
+          two = director%nodes(SIDES(:, k))
+          along = director%axes(:, 3 - k)
+          n = n + 1
+          associate (section => model%structure%sections(director%section))
+            equations(n) = new_equation([spread(two(1), 1, 3), spread(two(2), 1, 3), spread(rotation, 1, 3)], [1, 2, 3, 1, 2, 3, &
+              1, 2, 3], [along, -along, &
+              real(3 - 2 * k, DP) * director%thickness(k) * tangent], section%card, section%line)
+          end associate
+          equations(n)%n_eliminable = count(equations(n)%node /= rotation)
+        end do
+      end associate
+    end do
+  end subroutine add_twist
 
 
   !> The drills that EQUATION names, and one for each equation that is not held: a drill that is free in no other equation and that
