@@ -19,7 +19,9 @@ module amontons_model_check_motion
   use amontons_steps, only: step_type
   use amontons_stabilization, only: is_damped
   use amontons_mesh, only: mean_face_normal
-  use amontons_model, only: model_type, dof_direction, absent_elements
+  use amontons_loads, only: equation_type
+  use amontons_model, only: model_type, dof_direction, absent_elements, n_nonlinear_mpcs
+  use amontons_nonlinear_mpc, only: linearize_mpcs
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
@@ -146,8 +148,8 @@ contains
   end function present_bodies
 
 
-  !> Finds a motion that supports, equations and closed slave nodes leave free in a step.
-  !! Slipping slave nodes restrain their bodies along the normal only.
+  !> Finds a motion that supports, equations, nonlinear MPCs and closed slave nodes leave free in a step.
+  !! Slipping slave nodes restrain their bodies along the normal only; nonlinear MPCs restrain by their linearization.
   subroutine find_free_motion(model, contact, slaves, step, is_free, motion)
     type(model_type), intent(in) :: model
     type(contact_type), intent(in) :: contact
@@ -155,6 +157,27 @@ contains
     integer, intent(in) :: step                    !< its number
     logical, intent(out) :: is_free                !< there is one
     character(:), allocatable, intent(out) :: motion   !< body and motion in words; not allocated if none is free
+    type(model_type), allocatable :: linear        ! with nonlinear MPCs linearized to equations, if any
+    type(equation_type), allocatable :: equations(:)
+    if (n_nonlinear_mpcs(model) > 0) then
+      allocate (linear, source=model)
+      call linearize_mpcs(model, equations)
+      linear%equations = [model%equations, equations]
+      call find_free_linear_motion(linear, contact, slaves, step, is_free, motion)
+    else
+      call find_free_linear_motion(model, contact, slaves, step, is_free, motion)
+    end if
+  end subroutine find_free_motion
+
+
+  !> The same in a model whose constraints are equations.
+  subroutine find_free_linear_motion(model, contact, slaves, step, is_free, motion)
+    type(model_type), intent(in) :: model
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: slaves(:)
+    integer, intent(in) :: step
+    logical, intent(out) :: is_free
+    character(:), allocatable, intent(out) :: motion
     type(bodies_type) :: bodies
     type(bases_type) :: bases
     type(rows_type) :: rows
@@ -174,7 +197,7 @@ contains
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
     is_free = size(findings) > 0
     if (is_free) motion = findings(1)%motion
-  end subroutine find_free_motion
+  end subroutine find_free_linear_motion
 
 
   !> Finds the free motions of one step.

@@ -178,3 +178,32 @@ def test_resumed(run_deck: Run, tmp_path: Path) -> None:
     up, works, _ = march(None, 0.01, 0.0, RISE)
     assert lifted(tmp_path)[-1] == pytest.approx(up[-1], rel=1e-9)
     assert history(tmp_path, "damped_work")[-1] == pytest.approx(works[-1], rel=1e-8)
+
+
+COUPLED = CUBE.replace("*BOUNDARY\n1, 1, 3\n2, 1, 3\n3, 1, 3\n4, 1, 3\n", "")
+
+
+@pytest.mark.parametrize("kind", ["coupling", "beam"])
+def test_what_a_coupling_holds_is_not_free(run: Run, tmp_path: Path, kind: str) -> None:
+    """A cube that its coupling holds, a cantilever held at its rotations: the factor comes from the first increment, which is not damped.
+
+    The first increment is therefore that of the step without STABILIZE. When constraints by rotations did not count, the damping of free bodies
+    took 18 % off it, and 6 % off the displacement at the end.
+    """
+    held = {
+        "coupling": COUPLED
+        + "*NODE\n100, 0.5, 0.5, 0.\n*SURFACE, NAME=S\n1, S1\n*COUPLING, CONSTRAINT NAME=C, REF NODE=100, SURFACE=S\n*KINEMATIC\n*BOUNDARY\n100, 1, 6\n",
+        "beam": "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n5, 2., 0., 0.\n*ELEMENT, TYPE=B31, ELSET=E\n1, 1, 2\n2, 2, 5\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n"
+        "*BEAM SECTION, ELSET=E, MATERIAL=M, SECTION=RECT\n0.5, 0.5\n0., 1., 0.\n*BOUNDARY\n1, 1, 6\n",
+    }[kind]
+    first: dict[str, np.ndarray] = {}
+    for words in ("", ", STABILIZE"):
+        (tmp_path / "job.inp").write_text(held + step(words, "0.25, 1., 1e-5, 0.25", "5, 1, 1.\n5, 3, 1."))
+        done = run(["job"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        with h5py.File(tmp_path / "job.vtkhdf") as file:
+            u = np.asarray(file["VTKHDF/PointData/U"])
+            offsets = np.asarray(file["VTKHDF/Steps/PointDataOffsets/U"])
+        first[words] = u[offsets[1] : offsets[2]]
+    assert np.abs(first[""]).max() > 1e-4
+    np.testing.assert_allclose(first[", STABILIZE"], first[""], atol=1e-9 * np.abs(first[""]).max())

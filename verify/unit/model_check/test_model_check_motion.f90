@@ -6,6 +6,7 @@ program test_model_check_motion
   use amontons_kinds, only: DP
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
+  use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_model_check_bodies, only: bodies_type, find_bodies
   use amontons_model_check_motion, only: check_rigid_motions, find_free_motion
   use amontons_state, only: state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
@@ -20,6 +21,7 @@ program test_model_check_motion
   type(state_type) :: state
   call check_supports()
   call check_contacts()
+  call check_mpcs()
   call check_report()
   call suite%finish()
 
@@ -84,6 +86,27 @@ contains
     state%new%slaves%facet = 0
     call expect('closed without a facet', STATUS_STICK, .true.)
   end subroutine check_contacts
+
+
+  !> A nonlinear MPC makes nodes of the top one rigid body with fixed nodes of the bottom, and holds the upper block; one that
+  !! leaves the direction z leaves three motions.
+  subroutine check_mpcs()
+    call hold([35], [3])
+    call expect('without an MPC', STATUS_OPEN, .true.)
+    allocate (model%nonlinear_mpcs(1))
+    associate (mpc => model%nonlinear_mpcs(1))
+      mpc%kind = MPC_RIGID_BODY
+      mpc%node = [35, 36, 39]
+      mpc%reference = 1
+      mpc%rotation = 2
+      mpc%card = 'MPC'
+    end associate
+    call expect('held by an MPC', STATUS_OPEN, .false.)
+    call expect('the same, slipping', STATUS_SLIP, .false.)
+    model%nonlinear_mpcs(1)%is_bound(3) = .false.
+    call expect('an MPC that leaves z', STATUS_OPEN, .true.)
+    call expect('the same, slipping: contact holds the rest', STATUS_SLIP, .false.)
+  end subroutine check_mpcs
 
 
   !> The check before the job: an error where nothing can hold the body, none where its contact touches.
