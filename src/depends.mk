@@ -197,7 +197,8 @@ uses_user_state = kinds errors tensor element_kinds loads user_routines material
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse element_kinds shape_functions
 uses_assembly_plan = kinds containers errors sparse graph_partition point_partition mpi_ranks element_kinds mesh solid_simd unsymmetric_tangent
-uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model truss_spring_mass element solid_simd plastic_solid_simd state user_state unsymmetric_tangent assembly_plan
+uses_layer_stack = kinds tensor element_kinds structural_data model logarithmic_strain element_integration_points zero_stress_condition state
+uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model truss_spring_mass element solid_simd plastic_solid_simd state user_state unsymmetric_tangent assembly_plan layer_stack
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element face_foundation tributary_areas state user_state unsymmetric_tangent assembly_plan assembly
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads
 uses_stabilization = kinds sparse mesh steps model elasticity state

@@ -20,6 +20,7 @@ module amontons_assembly
   use amontons_plastic_solid_simd, only: is_plastic_batch_kind, evaluate_plastic_batch_forces, evaluate_plastic_batch_tangent
   use amontons_truss_spring_mass, only: spring_energy
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
+  use amontons_layer_stack, only: is_stacked_triangle, load_stack_bending
   use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields
   implicit none
   private
@@ -295,6 +296,7 @@ contains
     associate (material => model%materials(m), fields => state%new)
       call load_points(model, state, e, points)
       points%is_output_wanted = allocated(fields%stress)
+      if (is_stacked_triangle(model, e)) call load_stack_bending(model, state, e, is_nlgeom, points)
       if (material%is_user) call load_umat_points(model, state, e, is_nlgeom, points)
       call set_element_configuration(model%mesh, e, fields, X, u)
       call evaluate_element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
@@ -575,6 +577,7 @@ contains
     n = model%mesh%first(e + 1) - model%mesh%first(e)
     call load_points(model, state, e, points)
     points%is_output_wanted = .false.
+    if (is_stacked_triangle(model, e)) call load_stack_bending(model, state, e, is_nlgeom, points)
     if (model%materials(element_material(model, state%new%step, e))%is_user) call load_umat_points(model, state, e, is_nlgeom, &
       points)
     call set_element_configuration(model%mesh, e, state%new, X, u)

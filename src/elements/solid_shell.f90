@@ -11,8 +11,8 @@
 !! | 33 | the four corners (Betsch, Stein) | the three corners |
 !!
 !! To them are added strains with amplitudes of the element that vanish in the mean: xi in 11, eta in 22, both in 12 (bending in
-!! the plane; CSS8 only), and zeta times the functions of a face in 33 (Poisson's strain of bending). CSS6 that is the only layer
-!! of a shell has the turns of a fibre in the middle, too (MITC3+); in a stack they would let each layer shear by itself.
+!! the plane; CSS8 only), and zeta times the functions of a face in 33 (Poisson's strain of bending). CSS6 of a shell has the turns
+!! of a fibre in the middle, too (MITC3+). In a stack they are shear strains, whose energy is that of bending the whole stack.
 !!
 !! The law is that of solids, at the deformation gradient R U: U^2 = 1 + 2 E, R the rotation of the displacements.
 !!
@@ -71,6 +71,8 @@ module amontons_solid_shell
     real(DP) :: to_cartesian(6, 6, MAX_POINTS)     !< natural strains to those of the global axes, engineering shears [1/length^2]
     real(DP) :: modes(6, 3 * N_MODES, MAX_POINTS)  !< strains of the amplitudes, engineering shears [1/length]
     real(DP) :: volume(MAX_POINTS)                 !< [length^3]
+    real(DP) :: stack_bending(3 * N_MODES, 3 * N_MODES) = 0    !< second derivatives of the energy of the stack by the amplitudes
+                                                   !! [stress length]
   end type shell_at_rest_type
 
   !> Its strains at given displacements, without those of the amplitudes.
@@ -101,7 +103,7 @@ contains
     real(DP) :: S(6, MAX_POINTS), C(6, 6, MAX_POINTS), whole(3, MAX_NODES + N_MODES)
     logical :: is_regular
     force = 0
-    call set_reference(kind, X, points%is_shell, reference, status)
+    call set_reference(kind, X, points%is_shell, points%stack_bending, reference, status)
     if (status /= ELEMENT_OK) return
     call set_kinematics(reference, u, is_nlgeom, kinematics, status)
     if (status /= ELEMENT_OK) return
@@ -116,6 +118,10 @@ contains
       if (status /= ELEMENT_OK) return
       points%modes(:3 * N_MODES) = reshape(whole(:, n + 1:n + N_MODES), [3 * N_MODES])
       force(:, :n + N_MODES) = reshape(stress_forces(reference, kinematics, S, 1), [3, n + N_MODES])
+      force(:, n + 1:n + N_MODES) = force(:, n + 1:n + N_MODES) + reshape(matmul(reference%stack_bending, &
+        points%modes(:3 * N_MODES)), [3, N_MODES])
+      points%energy(:reference%n_points) = points%energy(:reference%n_points) + 0.5_DP * dot_product(points%modes(:3 * N_MODES), &
+        matmul(reference%stack_bending, points%modes(:3 * N_MODES))) / sum(reference%volume(:reference%n_points))
       if (present(stiffness)) then
         call integrate_stiffness(reference, kinematics, C, 1, .not. allocated(points%skew), stiffness)
         if (is_nlgeom) call add_geometric_stiffness(reference, S, stiffness)
@@ -146,10 +152,11 @@ contains
 
 
   !> Everything that does not depend on the displacements.
-  pure subroutine set_reference(kind, X, is_whole, reference, status)
+  pure subroutine set_reference(kind, X, is_whole, stack_bending, reference, status)
     integer, intent(in) :: kind
     real(DP), intent(in) :: X(:, :)
     logical, intent(in) :: is_whole                !< CSS6: the only layer of a shell
+    real(DP), intent(in) :: stack_bending(2, 2)    !< CSS6, one of several layers: of the bubble, else 0 [stress/length]
     type(shell_at_rest_type), intent(out) :: reference
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), centre(3), slope(3, MAX_NODES), base(3, 3), dual(3, 3)
@@ -179,8 +186,11 @@ contains
       map(:, k) = map(:, k) * length(VOIGT_ROW(k)) * length(VOIGT_COLUMN(k)) / size_of
     end do
     do p = 1, reference%n_points
-      call natural_modes(kind, is_whole, xi(:, p), length, reference%n_amplitudes, natural)
+      call natural_modes(kind, is_whole, any(abs(stack_bending) > 0), xi(:, p), length, reference%n_amplitudes, natural)
       reference%modes(:, :, p) = (det_centre * w(p) / reference%volume(p)) * matmul(map, natural)
+    end do
+    do k = 1, 2
+      reference%stack_bending(4:5, 3 + k) = stack_bending(:, k) * (length(:2) * length(k) / size_of)**2
     end do
   end subroutine set_reference
 
@@ -343,9 +353,9 @@ contains
   !! the two that turn the fibre in the middle of CSS6 (the bubble of MITC3+, f = 27 r s (1 - r - s), tied to f = 1/2).
   !!
   !! Slopes of the bubble are times 4/3: then the moments at the points and the shear force are in equilibrium, M_ij,j = Q_i.
-  pure subroutine natural_modes(kind, is_whole, xi, length, n, modes)
+  pure subroutine natural_modes(kind, is_whole, is_stacked, xi, length, n, modes)
     integer, intent(in) :: kind
-    logical, intent(in) :: is_whole                !< CSS6: the only layer of a shell
+    logical, intent(in) :: is_whole, is_stacked    !< CSS6: the only layer of a shell, one of several
     real(DP), intent(in) :: xi(3), length(3)       !< length: of the base vectors at the centre [length]
     integer, intent(out) :: n                      !< amplitudes in use
     real(DP), intent(out) :: modes(6, 3 * N_MODES) !< zero past n, over the lengths of both base vectors [-]
@@ -358,10 +368,11 @@ contains
       modes(4, 3:4) = xi(:2)
       modes(3, 5:8) = xi(3) * [1.0_DP, xi(1), xi(2), xi(1) * xi(2)]
     else
-      n = merge(5, 3, is_whole)
+      n = merge(5, 3, is_whole .or. is_stacked)
       modes(3, :3) = xi(3) * [1.0_DP, xi(1) - 1.0_DP / 3, xi(2) - 1.0_DP / 3]
-      if (.not. is_whole) return
-      slope = 36 * xi(3) * xi([2, 1]) * (1 - 2 * xi(:2) - xi([2, 1]))
+      if (n == 3) return
+      slope = 0
+      if (is_whole) slope = 36 * xi(3) * xi([2, 1]) * (1 - 2 * xi(:2) - xi([2, 1]))
       modes([1, 4, 6], 4) = [slope(1), slope(2) * length(1) / length(2), 0.5_DP * length(1) / length(3)]
       modes([2, 4, 5], 5) = [slope(2), slope(1) * length(2) / length(1), 0.5_DP * length(2) / length(3)]
     end if
@@ -501,7 +512,8 @@ contains
         if (.not. is_regular) return
         cycle
       end if
-      force(:, reference%n + 1:reference%n + N_MODES) = reshape(stress_forces(reference, kinematics, S, first), [3, N_MODES])
+      force(:, reference%n + 1:reference%n + N_MODES) = reshape(stress_forces(reference, kinematics, S, first) + &
+        matmul(reference%stack_bending, reshape(whole(:, reference%n + 1:), [3 * N_MODES])), [3, N_MODES])
       scale = tiny(1.0_DP)
       do p = 1, reference%n_points
         scale = scale + reference%volume(p) * norm2(S(:, p)) * norm2(reference%modes(:, :, p))
@@ -633,6 +645,7 @@ contains
       end do
     end if
     i = 3 * reference%n
+    K(i + 1:last, i + 1:last) = K(i + 1:last, i + 1:last) + reference%stack_bending
     do j = i + reference%n_amplitudes + 1, last
       K(j, j) = K(i + 1, i + 1)
     end do

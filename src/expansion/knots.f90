@@ -53,7 +53,9 @@ contains
       do while (i <= size(structure%directors))  ! those of a node lie together
         last = last_of_node(structure, i)
         if (is_knot(model, i, last)) then
-          call add_knot(model, turns_far, i, last, mpcs, n_mpcs)
+          call add_knot(model, turns_far, turns_far .or. .not. is_coarse(model, structure%directors(i), &
+            elements_at(first_at(structure%directors(i)%node):first_at(structure%directors(i)%node + 1) - 1)), i, last, mpcs, &
+            n_mpcs)
           if (.not. turns_far .and. model%dialect /= DIALECT_CALCULIX) call add_twist(model, i, last, equations, n)
           if (is_drill_driven(model, i, last)) call add_drill_mpc(model, structure%directors(i), &
             elements_at(first_at(structure%directors(i)%node):first_at(structure%directors(i)%node + 1) - 1), mpcs, n_mpcs)
@@ -295,10 +297,36 @@ contains
   end function is_turned_by_loads
 
 
+  !> Whether the elements at a fibre are longer than it is thick.
+  pure logical function is_coarse(model, director, elements)
+    type(model_type), intent(in) :: model
+    type(director_type), intent(in) :: director
+    integer, intent(in) :: elements(:)           !< at its node
+    real(DP) :: edge
+    integer :: i, k
+    is_coarse = director%n_outer == 2
+    if (.not. is_coarse) return
+    edge = huge(edge)
+    do i = 1, size(elements)
+      associate (nodes => model%structure%nodes(model%structure%first(elements(i)):model%structure%first(elements(i) + 1) - 1))
+        do k = 1, size(nodes)
+          if (nodes(k) /= director%node) edge = min(edge, norm2(model%mesh%coordinates(:, nodes(k)) - &
+            model%mesh%coordinates(:, director%node)))
+        end do
+      end associate
+    end do
+    is_coarse = edge > director%thickness(1)
+  end function is_coarse
+
+
   !> A knot of the directors first to last.
-  subroutine add_knot(model, turns_far, first, last, mpcs, n_mpcs)
+  !!
+  !! Where elements are longer than thick the interfaces of layers are free across the shell: held, they would take Poisson's strain
+  !! of bending from each layer, over the length of an element. In finer meshes the shear force goes through them: they are held.
+  subroutine add_knot(model, turns_far, holds_layers, first, last, mpcs, n_mpcs)
     type(model_type), intent(in) :: model
     logical, intent(in) :: turns_far             !< rotations may be finite
+    logical, intent(in) :: holds_layers          !< the fibre through several layers stretches evenly
     integer, intent(in) :: first, last
     type(nonlinear_mpc_type), intent(inout) :: mpcs(:)
     integer, intent(inout) :: n_mpcs            !< number of mpcs
@@ -321,7 +349,7 @@ contains
             cycle
           end if
           k = merge(size(directors(i)%nodes), directors(i)%n_outer, model%dialect == DIALECT_CALCULIX .or. &
-            ubound(directors(i)%height, 1) > 1)
+            (holds_layers .and. ubound(directors(i)%height, 1) > 1))
           mpc%node = [mpc%node, directors(i)%nodes(:k)]
           if (k == size(directors(i)%nodes)) cycle
           n_mpcs = n_mpcs + 1

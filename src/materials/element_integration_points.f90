@@ -25,6 +25,7 @@ module amontons_element_integration_points
     ! input: section, committed history, temperature
     real(DP) :: section_value                            !< thickness [length], cross-section [length^2], spring constant
     logical :: is_shell = .false.                  !< the solid is one layer of an expanded shell, CSS6: the only one
+    real(DP) :: stack_bending(2, 2) = 0            !< CSS6, one of several layers: stiffness of the bubble [stress/length]
     real(DP) :: walls(4) = 0                       !< of a hollow beam, see mesh [-]
     integer :: directions(2)                       !< of SPRING1, SPRING2
     type(spring_type), allocatable :: spring       !< law of a spring or gap that is more than a constant

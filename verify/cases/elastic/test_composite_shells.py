@@ -193,6 +193,69 @@ def test_pagano_plate(proof: Proof, slenderness: int) -> None:
     case.done()
 
 
+@pytest.mark.parametrize("kind", ["S3", "S4"])
+@pytest.mark.parametrize("thickness", [0.1, 0.01])
+def test_clamped_plate_of_layers(proof: Proof, kind: str, thickness: float) -> None:
+    """Layers of one material are as one layer, however thin."""
+    case = proof(
+        f"composite-clamped-{kind.lower()}-{thickness:g}",
+        title=f"A clamped plate of two equal layers, {kind}, thickness 1/{10 / thickness:.0f} of its side",
+        model=f"A quarter of a square plate of side 10 and two layers of {thickness / 2:g}, E = 1e6, nu = 0.3, with clamped edges, under a pressure of 1; 8 x 8 cells.",
+        formula="w = 0.0012653 p L^4 / D",
+        source="S. Timoshenko, S. Woinowsky-Krieger, Theory of plates and shells, McGraw-Hill 1959, section 44",
+        proves="No shear locking of layers: triangles without a bubble of the whole stack give 0.64 of the displacement. Clamped fibres leave Poisson's strain of "
+        "each layer free: held, it takes 4 % of S4.",
+    )
+    body = shell(kind, (8, 8), lambda u, v: (5 * u, 5 * v, 0 * u))
+    supports = held(body.where(0, 0.0), "XSYMM") + held(body.where(1, 0.0), "YSYMM") + held(body.where(0, 1.0), "ENCASTRE") + held(body.where(1, 1.0), "ENCASTRE")
+    layers = f"*MATERIAL, NAME=M\n*ELASTIC\n1e6, 0.3\n*SHELL SECTION, ELSET=E, COMPOSITE\n{thickness / 2:g}, 3, M\n{thickness / 2:g}, 3, M\n"
+    job = case.run(body.cards() + layers + supports + step("*DLOAD\nE, P, 1.\n"), kind)
+    expected = 0.0012653 * 10**4 / (1e6 * thickness**3 / (12 * (1 - 0.3**2)))
+    case.near("deflection", abs(float(job.last("U")[body.at(0, 0), 2])), expected, 0.01, why="the mesh", place="the centre", time="the end")
+    case.done()
+
+
+@pytest.mark.parametrize("plies", [(0, 90, 90, 0), (0, 90)], ids=["symmetric", "unsymmetric"])
+@pytest.mark.parametrize("kind", ["S3", "S4"])
+def test_thin_cross_ply(proof: Proof, kind: str, plies: tuple[int, ...]) -> None:
+    """A thin laminate under an even pressure."""
+    name = "/".join(str(angle) for angle in plies)
+    case = proof(
+        f"composite-thin-{kind.lower()}-{len(plies)}",
+        title=f"A thin plate [{name}] of {kind}",
+        model=f"A quarter of a square plate of side 1, thickness 0.001, plies [{name}], E1/E2 = 25, G12 = G13 = E2/2, G23 = E2/5, nu = 0.25, simply supported "
+        "(v = w = 0 on the sides along y, u = w = 0 on those along x), even pressure; 16 x 16 cells.",
+        formula="Navier's series of classical lamination theory: for each m, n the 3 x 3 system of the amplitudes of u, v, w, with A, B and D.",
+        source="J. N. Reddy, Mechanics of Laminated Composite Plates and Shells, 2nd edition, CRC Press 2004, section 5.2",
+        proves="Thin laminates of triangles bend without locking, with and without coupling to the membrane.",
+    )
+    thickness = 1e-3
+    body = shell(kind, (16, 16), lambda u, v: (u / 2, v / 2, 0 * u))
+    supports = held(body.where(0, 0.0), "2, 3") + held(body.where(1, 0.0), "1") + held(body.where(1, 0.0), "3")
+    supports += held(body.where(0, 1.0), "XSYMM") + held(body.where(1, 1.0), "YSYMM")
+    constants = (25.0, 1.0, 0.25, 0.5, 0.5, 0.2)
+    stack = [(thickness / len(plies), float(angle)) for angle in plies]
+    job = case.run(body.cards() + laminate(constants, stack) + supports + step("*DLOAD\nE, P, 1e-15\n"), kind)
+    expected = navier(abd(constants, stack), 1e-15)
+    case.near("deflection", abs(float(job.last("U")[body.at(1, 1), 2])), expected, 0.01, why="the mesh", place="the middle", time="the end")
+    case.done()
+
+
+def navier(whole: Floats, pressure: float) -> float:
+    """Deflection in the middle of a cross-ply square of side 1 whose edges are held across and along themselves."""
+    a, b, d = whole[:3, :3], whole[:3, 3:], whole[3:, 3:]
+    total = 0.0
+    for m in range(1, 40, 2):
+        for n in range(1, 40, 2):
+            x, y = m * np.pi, n * np.pi
+            strain = np.array([[-x, 0, 0], [0, -y, 0], [y, x, 0]])  # of u cos sin, v sin cos
+            turn = np.array([[0, 0, x * x], [0, 0, y * y], [0, 0, -2 * x * y]])  # curvatures of w sin sin
+            stiffness = strain.T @ a @ strain + strain.T @ b @ turn + turn.T @ b @ strain + turn.T @ d @ turn
+            load = np.array([0, 0, 16 * pressure / (m * n * np.pi**2)])
+            total += float(np.linalg.solve(stiffness, load)[2]) * (-1) ** ((m + n) // 2 - 1)
+    return total
+
+
 @pytest.mark.parametrize(("kind", "n", "allowed"), [("S4", 40, 0.01), ("S8R", 20, 0.01)])
 def test_nafems_strip(proof: Proof, kind: str, n: int, allowed: float) -> None:
     """Three-point bending of seven plies."""

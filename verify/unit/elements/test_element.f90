@@ -20,6 +20,7 @@ program test_element
   type(material_type) :: material
   integer :: kind, law, i, n
   logical :: is_whole                              !< CSS6: the only layer of a shell
+  real(DP) :: stack_bending(2, 2) = 0              !< CSS6: one of several
 
   call random_seed(size=n)
   call random_seed(put=[(15485863 + 7919 * i, i=1, n)])
@@ -44,20 +45,24 @@ program test_element
     call check_hydrostatic(kind)
     call check_exits(kind)
   end do
-  is_whole = .true.
-  do law = LAW_HENCKY, LAW_SAINT_VENANT
-    material%law = law
-    call check_derivatives(KIND_CSS6, .true.)
-    call check_forces_alone(KIND_CSS6)
-    call check_tiny(KIND_CSS6)
+  do i = 1, 2
+    is_whole = i == 1
+    if (.not. is_whole) stack_bending = 1.0e4_DP * reshape([real(DP) :: 3, 1, 1, 2], [2, 2])
+    do law = LAW_HENCKY, LAW_SAINT_VENANT
+      material%law = law
+      call check_derivatives(KIND_CSS6, .true.)
+      call check_forces_alone(KIND_CSS6)
+      call check_tiny(KIND_CSS6)
+    end do
+    material%law = LAW_HENCKY
+    call check_derivatives(KIND_CSS6, .false.)
+    call check_rigid_motion(KIND_CSS6)
+    call check_balance(KIND_CSS6)
+    call check_modes(KIND_CSS6)
+    call check_hydrostatic(KIND_CSS6)
+    call check_exits(KIND_CSS6)
   end do
-  material%law = LAW_HENCKY
-  call check_derivatives(KIND_CSS6, .false.)
-  call check_rigid_motion(KIND_CSS6)
-  call check_balance(KIND_CSS6)
-  call check_modes(KIND_CSS6)
-  call check_hydrostatic(KIND_CSS6)
-  call check_exits(KIND_CSS6)
+  stack_bending = 0
   is_whole = .false.
   call check_no_locking()
   call check_mean_dilatation()
@@ -123,6 +128,7 @@ contains
     integer :: n, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.3_DP, X)
     call random_number(u)
@@ -202,6 +208,7 @@ contains
     integer :: n, a, j, dof, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
@@ -246,6 +253,7 @@ contains
     integer :: status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     moved = u
     moved(j, a) = moved(j, a) + step
     call evaluate_element_forces(kind, material, X(:, :entry%n_nodes), moved(:, :entry%n_nodes), is_nlgeom, force, points, &
@@ -264,6 +272,7 @@ contains
     integer :: n, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
@@ -288,6 +297,7 @@ contains
     integer :: n, a, b, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     u = spread([1.234567e6_DP, -0.1_DP, 1.0_DP / 3], 2, MAX_ELEMENT_NODES)
@@ -323,6 +333,7 @@ contains
     integer :: n, a, i, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call random_number(u)
@@ -385,6 +396,7 @@ contains
     integer :: n, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     call evaluate_element_tangent(kind, material, X(:, :n), 0 * X(:, :n), .false., K, points, status)
@@ -491,6 +503,7 @@ contains
     integer :: n, face, a, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.2_DP, X)
     if (kind == KIND_C3D10) then
@@ -565,6 +578,7 @@ contains
     integer :: n, status
     entry = element_kind(kind)
     points%is_shell = is_whole
+    points%stack_bending = stack_bending
     n = entry%n_nodes
     call distort(kind, 0.0_DP, X)
     u = 0
