@@ -496,6 +496,7 @@ contains
     local_problem%overclosure = -slave%gap
     local_problem%normal = slave%normal
     local_problem%imbalance = imbalance
+    local_problem%slip_rounding = epsilon(1.0_DP) * contact%edge(slave%pair)
     if (.not. is_row_uncoupled(contact, slave, s) .or. contact%laws(slave%pair)%is_user_friction) return
     if (all(contact%free_mask(:, s) <= 0.0_DP)) return
     local_problem%stiffness = max(slave%stiffness, 0.0_DP)

@@ -24,6 +24,7 @@ module amontons_slave_node_equilibrium
     real(DP) :: overclosure = 0                    !< h = -gap [length]
     real(DP) :: normal(3) = 0                      !< out of the master [-]
     real(DP) :: slip(3) = 0                        !< e: trial elastic slip, all slip taken as elastic, tangential [length]
+    real(DP) :: slip_rounding = 0                  !< a slip up to this is none: without pressure rounding would choose [length]
     real(DP) :: imbalance(3) = 0                   !< Rhat of the node [force]
     real(DP) :: free(3, 3) = 0                     !< projector on the directions in which contact balances the imbalance [-]
   end type local_problem_type
@@ -141,7 +142,7 @@ contains
     end if
     trial = required_force + c * problem%slip
     length = norm2(trial)
-    solution%is_slipping = k / (k + c) * length > limit
+    solution%is_slipping = k / (k + c) * (length - c * problem%slip_rounding) > limit
     if (.not. solution%is_slipping) then
       solution%elastic = trial / (k + c)
       solution%shear = -k * solution%elastic

@@ -87,7 +87,8 @@ def test_edge_of_sheet(run_deck: Run, width: str, way: float, first: float, *, i
     assert done.returncode == NOT_CONVERGED
     said = re.sub(r"\s+", " ", done.stdout + done.stderr)
     if (width, way, is_nlgeom) == ("narrow", 0.5, True):
-        assert "FREE BODY: nothing holds a body against its load" in said, "the sheet's sides touch on the way in, and no increment converges"
+        assert "LIMIT POINT: the stiffness is not positive" in said, "the sheet's sides touch on the way in, and no increment converges"
+        assert "nothing holds" not in said, "its reference node holds the sheet"
         return
     crossing = r"element \d+ of (B passed through element \d+ of S|S passed through element \d+ of B),"
     assert re.search(crossing, said), said

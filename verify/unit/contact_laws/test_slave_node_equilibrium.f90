@@ -50,11 +50,28 @@ contains
     call suite%near('shear: at the limit', norm2(solution%shear), 4.0_DP, 1.0e-14_DP)
     call suite%near('shear: slip and elastic slip make the whole', norm2(solution%elastic + solution%slip), 5.0_DP, 1.0e-14_DP)
     call suite%near('shear: slip', solution%slip(2), 2.4_DP, 1.0e-14_DP)
+    call check_tie(law)
     law%stick_slope = 0.0_DP
     law%friction = 0.0_DP
     call solve_local_problem(law, place(law, 1.0_DP, [3.0_DP, 4.0_DP, 0.0_DP]), solution)
     call suite%that('shear: frictionless slips', solution%is_slipping .and. norm2(solution%elastic) <= 0.0_DP)
   end subroutine check_shear
+
+
+  !> A node that touches without pressure has no friction: it sticks as long as its slip is rounding, beyond that it slips freely.
+  subroutine check_tie(law)
+    type(interaction_type), intent(in) :: law
+    type(local_problem_type) :: problem
+    type(local_solution_type) :: solution
+    problem = place(law, 0.0_DP, [3.0e-17_DP, 4.0e-17_DP, 0.0_DP])
+    problem%slip_rounding = 1.0e-16_DP
+    call solve_local_problem(law, problem, solution)
+    call suite%that('no pressure: sticks', .not. (solution%is_slipping .or. solution%is_open))
+    problem%slip = 3 * problem%slip
+    call solve_local_problem(law, problem, solution)
+    call suite%that('no pressure: slips', solution%is_slipping)
+    call suite%near('no pressure: no shear', norm2(solution%shear), 0.0_DP, 0.0_DP)
+  end subroutine check_tie
 
 
   !> A node in equilibrium: the force of the law balances the imbalance, so the solution is the actual position for any stiffness.
