@@ -7,17 +7,18 @@
 !! | section | points over it | exact |
 !! |---|---|---|
 !! | rectangle | 3 x 3 by Gauss | degree 5 in each direction |
+!! | rectangle, circle with curved sides | 5 x 5 by Kronrod, from 2 by Gauss | degree 7 in each direction |
 !! | pipe | 8 on the circle of the mean square radius | area, moments of inertia |
 !! | box | 3 by Gauss on the middle of each wall | area, moments of inertia of the middle lines |
 !! | circle | 4 and 8 on two circles | moments up to the degree 4 over the radius |
 !!
 !! Natural coordinates: xi along the beam, eta against direction 2, zeta along direction 1, each from -1 to 1 over the rectangle
-!! around the section. Source of the pipe: CalculiX 2.20, beamintscheme.f; its box has five points of Simpson's rule on each wall,
-!! with the same area and moments.
+!! around the section. Source of the pipe and of 5 x 5 points: CalculiX 2.20, beamintscheme.f, gauss.f; its box has five points of
+!! Simpson's rule on each wall, with the same area and moments.
 module amontons_beam_rules
   use amontons_kinds, only: DP, PI
-  use amontons_element_kinds, only: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, MAX_ELEMENT_NODES, &
-    MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_BEAM_KRONROD, &
+    MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   use amontons_tensor, only: solve_normal_equations
   implicit none
   private
@@ -30,18 +31,20 @@ module amontons_beam_rules
   real(DP), parameter :: GAUSS_2 = sqrt(3.0_DP) / 3, GAUSS_3 = sqrt(15.0_DP) / 5
   real(DP), parameter :: WEIGHTS_3(3) = [5.0_DP, 8.0_DP, 5.0_DP] / 9   !< of Gauss' rule of three points
   real(DP), parameter :: KRONROD = sqrt(6.0_DP / 7.0_DP)   !< outer points of the rule that extends that of two points to five
+  real(DP), parameter :: KRONROD_LINE(5) = [-KRONROD, -GAUSS_2, 0.0_DP, GAUSS_2, KRONROD]
+  real(DP), parameter :: KRONROD_WEIGHTS(5) = [98.0_DP / 495, 27.0_DP / 55, 28.0_DP / 45, 27.0_DP / 55, 98.0_DP / 495]
 
 contains
 
   !> Whether a kind is the solid of a beam with a rule of its own.
   pure logical function is_beam_kind(kind)
     integer, intent(in) :: kind                    !< KIND_...
-    is_beam_kind = kind >= KIND_BEAM_RECT .and. kind <= KIND_BEAM_CIRC
+    is_beam_kind = kind >= KIND_BEAM_RECT .and. kind <= KIND_BEAM_KRONROD
   end function is_beam_kind
 
 
-  !> The points and weights of a beam: those of the section behind, then in front. The weights add up to 8 times the part of the
-  !! rectangle that the section fills.
+  !> The points and weights of a beam: those of the section behind, then in front; 5 x 5 points as CalculiX orders them. The weights
+  !! add up to 8 times the part of the rectangle that the section fills.
   pure subroutine set_beam_rule(kind, walls, n, xi, w)
     integer, intent(in) :: kind                    !< KIND_BEAM_...
     real(DP), intent(in) :: walls(4)               !< thickness over the dimension: box at +1, +2, -1, -2; pipe the first [-]
@@ -49,6 +52,10 @@ contains
     real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     real(DP) :: place(2, MAX_SECTION_POINTS), weight(MAX_SECTION_POINTS)
     integer :: m, k
+    if (kind == KIND_BEAM_KRONROD) then
+      call set_kronrod(n, xi, w)
+      return
+    end if
     select case (kind)
     case (KIND_BEAM_RECT)
       call set_rectangle(m, place, weight)
@@ -84,6 +91,19 @@ contains
       end do
     end do
   end subroutine set_rectangle
+
+
+  !> The rule of five points by Kronrod over the section, whose inner four are those of Gauss' rule of two, in CalculiX's order.
+  pure subroutine set_kronrod(n, xi, w)
+    integer, intent(out) :: n
+    real(DP), intent(inout) :: xi(:, :), w(:)
+    integer :: p
+    n = MAX_PRINTED_POINTS
+    xi(:, :n) = kronrod_places()
+    do p = 1, n
+      w(p) = product(KRONROD_WEIGHTS([minloc(abs(KRONROD_LINE - xi(2, p))), minloc(abs(KRONROD_LINE - xi(3, p)))]))
+    end do
+  end subroutine set_kronrod
 
 
   !> Equal points on a circle.
@@ -132,8 +152,8 @@ contains
   end function box_corners
 
 
-  !> Extrapolation from the points to the nodes: linear along the beam; over the section quadratic in rectangles, else linear by
-  !! least squares. Corners of pipes and circles show the edge of the section in their direction.
+  !> Extrapolation from the points to the nodes: linear along the beam; over the section quadratic of 3 x 3 and 5 x 5 points, else
+  !! linear by least squares. Corners of pipes and circles show the edge of the section in their direction.
   pure subroutine extrapolate_beam(kind, walls, nodes, matrix)
     integer, intent(in) :: kind                    !< KIND_BEAM_...
     real(DP), intent(in) :: walls(4)
@@ -158,18 +178,18 @@ contains
   !!
   !! | section | eight points |
   !! |---|---|
-  !! | rectangle | those of 2 x 2 x 2 by Gauss |
+  !! | 5 x 5 points | those of 2 x 2 x 2 by Gauss, which are the first |
   !! | pipe | the same; there the mean of the four diagonal points, and the difference to it by the ratio of the radii |
   !! | box | the corners of the middle lines of the walls |
   !!
   !! Corners of pipes are thus those of the rectangle around them, where there is no wall. Source: CalculiX 2.20, extrapolate.f,
   !! beamextscheme.f.
   pure subroutine extrapolate_beam_trilinearly(kind, walls, nodes, matrix)
-    integer, intent(in) :: kind                    !< KIND_BEAM_RECT, KIND_BEAM_PIPE or KIND_BEAM_BOX
+    integer, intent(in) :: kind                    !< KIND_BEAM_PIPE, KIND_BEAM_BOX or KIND_BEAM_KRONROD
     real(DP), intent(in) :: walls(4)
     real(DP), intent(in) :: nodes(:, :)            !< (3, 20) natural coordinates of the nodes, from -1 to 1
     real(DP), intent(out) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)   !< zero past the points [-]
-    real(DP) :: at_eight(8, MAX_ELEMENT_POINTS), eight(3, 8), xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), low(3), high(3), &
+    real(DP) :: at_eight(8, MAX_ELEMENT_POINTS), xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), low(3), high(3), &
       from(MAX_PRINTED_POINTS, MAX_ELEMENT_POINTS), corner(2, 5), s(3), place(3), r
     integer :: n, m, a, k, i, c
     call set_beam_rule(kind, walls, n, xi, w)
@@ -186,8 +206,9 @@ contains
       do c = 1, 4                                  ! eta fastest
         i = 4 * k + c
         place = merge(low, high, [k, modulo(c - 1, 2), (c - 1) / 2] == 0)
-        eight(:, i) = place
         select case (kind)
+        case (KIND_BEAM_KRONROD)                   ! its first eight points, xi fastest
+          at_eight(i, 1 + k + 2 * (c - 1)) = 1
         case (KIND_BEAM_PIPE)
           r = sqrt(2.0_DP) * GAUSS_2 / norm2(xi(2:, 2))
           m = 8 * k + 2 * minloc([(norm2(xi(2:, 8 * k + 2 * a) / norm2(xi(2:, 2)) - place(2:) / norm2(place(2:))), a=1, 4)], dim=1)
@@ -199,7 +220,6 @@ contains
         end select
       end do
     end do
-    if (kind == KIND_BEAM_RECT) at_eight(:, :n) = fit(kind, xi(:, :n), eight)
     matrix = 0
     do a = 1, size(nodes, 2)
       do i = 1, 8
@@ -216,48 +236,41 @@ contains
   end subroutine extrapolate_beam_trilinearly
 
 
-  !> From the points to those of CalculiX's tables; n = 0: the same points.
+  !> From the points to those of CalculiX's tables; n = 0: the same points. A box: a parabola through the three points of a wall, at
+  !! five places of it.
   pure subroutine interpolate_printed_points(kind, n, matrix)
     integer, intent(in) :: kind                    !< KIND_...
     integer, intent(out) :: n                      !< rows
     real(DP), intent(out) :: matrix(MAX_PRINTED_POINTS, MAX_ELEMENT_POINTS)   !< zero past n and the points [-]
-    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), place(3, MAX_PRINTED_POINTS), s, r
-    integer :: m, k, side, i
+    real(DP) :: s, r
+    integer :: k, side, i
     n = 0
     matrix = 0
-    select case (kind)
-    case (KIND_BEAM_RECT)
-      n = 50
-      call set_beam_rule(kind, [0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP], m, xi, w)
-      place = kronrod_places()
-      matrix(:, :m) = fit(kind, xi(:, :m), place)
-    case (KIND_BEAM_BOX)                           ! a parabola through the three points of a wall, at five places of it
-      n = 32
-      do k = 0, 1
-        do side = 1, 4
-          do i = 0, 3
-            s = 0.5_DP * real(i, DP) - 1
-            r = s / GAUSS_3
-            matrix(16 * k + 4 * side - 3 + i, 12 * k + 3 * side - 2:12 * k + 3 * side) = [0.5_DP * r * (r - 1), 1 - r**2, &
-              0.5_DP * r * (r + 1)]
-          end do
+    if (kind /= KIND_BEAM_BOX) return
+    n = 32
+    do k = 0, 1
+      do side = 1, 4
+        do i = 0, 3
+          s = 0.5_DP * real(i, DP) - 1
+          r = s / GAUSS_3
+          matrix(16 * k + 4 * side - 3 + i, 12 * k + 3 * side - 2:12 * k + 3 * side) = [0.5_DP * r * (r - 1), 1 - r**2, &
+            0.5_DP * r * (r + 1)]
         end do
       end do
-    end select
+    end do
   end subroutine interpolate_printed_points
 
 
   !> Places of CalculiX's 50 points of a beam: those of 2 x 2 x 2, then at both places along it the rest of 5 x 5.
   pure function kronrod_places() result(place)
     real(DP) :: place(3, MAX_PRINTED_POINTS)
-    real(DP), parameter :: LINE(5) = [-KRONROD, -GAUSS_2, 0.0_DP, GAUSS_2, KRONROD]
     integer :: n, i, j, k
     n = 0
     do k = 2, 4, 2
       do j = 2, 4, 2
         do i = 2, 4, 2
           n = n + 1
-          place(:, n) = LINE([i, j, k])
+          place(:, n) = KRONROD_LINE([i, j, k])
         end do
       end do
     end do
@@ -266,7 +279,7 @@ contains
         do j = 1, 5
           if (modulo(j, 2) == 0 .and. modulo(k, 2) == 0) cycle
           n = n + 1
-          place(:, n) = LINE([i, j, k])
+          place(:, n) = KRONROD_LINE([i, j, k])
         end do
       end do
     end do
@@ -280,7 +293,7 @@ contains
     real(DP) :: matrix(size(places, 2), size(points, 2))
     real(DP) :: at_points(MAX_FUNCTIONS, size(points, 2)), at_places(MAX_FUNCTIONS, size(places, 2))
     integer :: n, p
-    n = merge(18, 6, kind == KIND_BEAM_RECT)
+    n = merge(18, 6, kind == KIND_BEAM_RECT .or. kind == KIND_BEAM_KRONROD)
     do p = 1, size(points, 2)
       at_points(:, p) = fit_functions(points(:, p))
     end do

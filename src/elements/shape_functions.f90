@@ -9,9 +9,9 @@ module amontons_shape_functions
   use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, extrapolate_beam_trilinearly, GAUSS_2, GAUSS_3
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
     KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, KIND_CPS3, &
-    KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_CIRC, &
-    FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
-    MAX_FACE_NODES
+    KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_PIPE, &
+    KIND_BEAM_BOX, KIND_BEAM_KRONROD, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, &
+    MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
   use amontons_tensor, only: solve_normal_equations
   implicit none
   private
@@ -74,7 +74,7 @@ contains
       call trilinear_shapes(xi, N(:8), dN(:, :8))
     case (KIND_C3D10)
       call tet10_shapes(xi, N(:10), dN(:, :10))
-    case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_CIRC)
+    case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_KRONROD)
       call hex20_shapes(xi, N, dN)
     case (KIND_CPS3:KIND_T3D3)
       call embedded_shapes(kind, xi, N, dN)
@@ -283,7 +283,7 @@ contains
       call layered_rule(flat(:, :3), weight(:3), xi, w)
     case (KIND_CPS3:KIND_T3D3)
       call embedded_rule(kind, n, xi, w)
-    case (KIND_BEAM_RECT:KIND_BEAM_CIRC)
+    case (KIND_BEAM_RECT:KIND_BEAM_KRONROD)
       call set_beam_rule(kind, walls_or_none(walls), n, xi, w)
     case default                                   ! unknown kind: nothing is set
     end select
@@ -448,7 +448,7 @@ contains
       xi(:, :15) = WEDGE_NODES
     case (KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D8R, KIND_CSS8)
       xi(:, :8) = HEXAHEDRON_NODES(:, :8)
-    case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_CIRC)
+    case (KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT:KIND_BEAM_KRONROD)
       xi = HEXAHEDRON_NODES
     case (KIND_CPS3:KIND_T3D3)
       call facet_node_coordinates(facet_shape_kind(kind), flat)
@@ -514,8 +514,8 @@ contains
       call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
     case (KIND_CPS3:KIND_T3D3)
       call extrapolate_embedded(kind, n_nodes, n_points, matrix)
-    case (KIND_BEAM_RECT:KIND_BEAM_CIRC)
-      if (is_as_there .and. kind /= KIND_BEAM_CIRC) then
+    case (KIND_BEAM_RECT:KIND_BEAM_KRONROD)
+      if (is_as_there .and. any(kind == [KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_KRONROD])) then
         call extrapolate_beam_trilinearly(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)
       else
         call extrapolate_beam(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)

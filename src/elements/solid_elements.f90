@@ -29,17 +29,17 @@ module amontons_solid_elements
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, determinant_minus_one, invert, pack_voigt
   use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, &
     KIND_C3D8I, &
-    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_CIRC, N_SOLID_KINDS
+    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_KRONROD, N_SOLID_KINDS
   implicit none
   private
   public :: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, set_solid_temperature_weights
 
   ! The table of module element_kinds once more, as constants: so the loops have known lengths. The unit test notices if
   ! they differ.
-  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6, 20, 20, 20, 20, 15]
-  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15, 18, 16, 24, 24, 6]
+  integer, parameter :: N_KIND_NODES(N_SOLID_KINDS) = [4, 6, 8, 8, 10, 20, 20, 8, 8, 15, 8, 6, 20, 20, 20, 20, 20, 15]
+  integer, parameter :: N_KIND_POINTS(N_SOLID_KINDS) = [1, 2, 8, 8, 4, 27, 8, 8, 1, 9, 20, 15, 18, 16, 24, 24, 50, 6]
   logical, parameter :: HAS_MEAN_DILATATION(N_SOLID_KINDS) = [.false., .false., .true., .false., .false., .false., .false., &
-    .false., .false., .false., .false., .false., .false., .false., .false., .false., .false.]
+    .false., .false., .false., .false., .false., .false., .false., .false., .false., .false., .false.]
 
   !> Kinematics of an element: deformation data for forces and tangent.
   type :: kinematics_type
@@ -202,7 +202,7 @@ contains
       case (KIND_C3D10)
         call shape_functions(KIND_C3D4, xi(:, p), N, dN)
         weight(:4, p) = N(:4)
-      case (KIND_C3D20, KIND_BEAM_RECT:KIND_BEAM_CIRC)
+      case (KIND_C3D20, KIND_BEAM_RECT:KIND_BEAM_KRONROD)
         call shape_functions(KIND_C3D8, sqrt(3.0_DP) * xi(:, p), L, dN)
         weight(:20, p) = matmul(at_corner(:20, :), L(:8))
       case default
@@ -350,7 +350,9 @@ contains
     integer :: p, m, j
     integer, parameter :: N = 8 + N_MODES
     force = 0
-    kinematics = reference_kinematics
+    kinematics%gradient(:, :, :8) = reference_kinematics%gradient(:, :, :8)
+    kinematics%reference(:8) = reference_kinematics%reference(:8)
+    kinematics%current(:8) = reference_kinematics%current(:8)
     call update_kinematics(KIND_C3D8I, u, .false., kinematics, status)
     if (status /= ELEMENT_OK) return
     do p = 1, 8

@@ -27,7 +27,7 @@ module amontons_solid_simd
 
   integer, parameter :: BATCH_WIDTH = 8                  !< elements of a batch
   integer, parameter :: N = MAX_ELEMENT_NODES            !< most nodes of an element
-  integer, parameter :: N_POINTS = MAX_ELEMENT_POINTS    !< most points
+  integer, parameter :: N_POINTS = 27                     !< most points of these kinds, of C3D20
   integer, parameter :: MAX_NODE_PAIRS = N * (N + 1) / 2 !< pairs of nodes a <= b, those of b = 1 first
   integer, parameter :: BATCH_HISTORY = HISTORY_INELASTIC + 5   !< history variables of plasticity with isotropic hardening
 
@@ -84,12 +84,13 @@ contains
     integer, intent(in) :: kind                    !< KIND_...
     type(batch_rule_type), intent(out) :: rule
     type(element_kind_type) :: entry
-    real(DP) :: xi(3, MAX_ELEMENT_POINTS), shape(MAX_ELEMENT_NODES)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), shape(MAX_ELEMENT_NODES)
     integer :: p
     entry = element_kind(kind)
     rule%n_nodes = entry%n_nodes
     rule%is_mean = entry%is_mean_dilatation
-    call quadrature(kind, rule%n_points, xi, rule%w)
+    call quadrature(kind, rule%n_points, xi, w)
+    rule%w = w(:N_POINTS)
     do p = 1, rule%n_points
       call shape_functions(kind, xi(:, p), shape, rule%dN(:, :, p))
     end do

@@ -22,7 +22,8 @@ module amontons_expanded_elements
     SECTION_BOX
   use amontons_element_kinds, only: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_B31, KIND_B31R, KIND_B32, &
     KIND_B32R, KIND_C3D6, KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_C3D15_LAYER, KIND_CSS6, KIND_CSS8, KIND_C3D20, &
-    KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_SAX2, KIND_CAX_SHELL, FAMILY_BEAM
+    KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_BEAM_KRONROD, KIND_SAX2, KIND_CAX_SHELL, &
+    FAMILY_BEAM
   implicit none
   private
   public :: expand_elements, expanded_kind
@@ -74,7 +75,7 @@ contains
 
 
   !> The kind and the walls of a beam by its cross-section. Three places along a curved beam lock: B32 of the abaqus dialect has
-  !! two, as B32R. CalculiX integrates B32 at three.
+  !! two, as B32R. CalculiX integrates B32 at three, and B32R at 5 x 5 points over the section.
   subroutine set_beam_section(mesh, section, kind, is_calculix, e)
     type(mesh_type), intent(inout) :: mesh
     type(structural_section_type), intent(in) :: section
@@ -82,7 +83,8 @@ contains
     logical, intent(in) :: is_calculix           !< dialect
     integer, intent(in) :: e                     !< element
     if (section%family /= FAMILY_BEAM) return
-    if (kind == KIND_B32R .or. (kind == KIND_B32 .and. .not. is_calculix)) mesh%kind(e) = KIND_BEAM_RECT
+    if (kind == KIND_B32 .and. .not. is_calculix) mesh%kind(e) = KIND_BEAM_RECT
+    if (kind == KIND_B32R) mesh%kind(e) = merge(KIND_BEAM_KRONROD, KIND_BEAM_RECT, is_calculix)
     select case (section%shape)
     case (SECTION_CIRC)
       if (.not. is_calculix) mesh%kind(e) = KIND_BEAM_CIRC

@@ -9,7 +9,7 @@ module amontons_element_kinds
     element_kind_by_name, has_midsides
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
   public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_C3D15_LAYER, KIND_CSS8, KIND_CSS6
-  public :: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC
+  public :: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_BEAM_KRONROD
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CAX_SHELL
@@ -39,57 +39,58 @@ module amontons_element_kinds
   integer, parameter :: KIND_BEAM_PIPE = 14    !< ... 8 on a circle
   integer, parameter :: KIND_BEAM_BOX = 15     !< ... 3 on each of four walls
   integer, parameter :: KIND_BEAM_CIRC = 16    !< ... 4 and 8 on two circles
-  integer, parameter :: KIND_C3D15_LAYER = 17   !< quadratic wedge, 6 points: a layer of a composite S6 (calculix dialect)
-  integer, parameter :: N_SOLID_KINDS = 17    !< the kinds up to here are three-dimensional solids
-  integer, parameter :: KIND_CPS3 = 18        !< plane stress: triangle, 1 point
-  integer, parameter :: KIND_CPS4 = 19        !< quadrilateral, 4 points
-  integer, parameter :: KIND_CPS4R = 20       !< quadrilateral, 1 point, hourglass stiffness
-  integer, parameter :: KIND_CPS6 = 21        !< quadratic triangle, 3 points
-  integer, parameter :: KIND_CPS8 = 22        !< quadratic quadrilateral, 9 points
-  integer, parameter :: KIND_CPS8R = 23       !< the same, 4 points
-  integer, parameter :: KIND_CPE3 = 24        !< plane strain: the same six shapes ...
-  integer, parameter :: KIND_CPE4 = 25        !< ... with mean dilatation
-  integer, parameter :: KIND_CPE4_FULL = 26   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CPE4R = 27
-  integer, parameter :: KIND_CPE6 = 28
-  integer, parameter :: KIND_CPE8 = 29
-  integer, parameter :: KIND_CPE8R = 30
-  integer, parameter :: KIND_CAX3 = 31        !< axisymmetric about y, x is the radius: the same
-  integer, parameter :: KIND_CAX4 = 32        !< ... with mean dilatation
-  integer, parameter :: KIND_CAX4_FULL = 33   !< ... without (calculix dialect)
-  integer, parameter :: KIND_CAX4R = 34
-  integer, parameter :: KIND_CAX6 = 35
-  integer, parameter :: KIND_CAX8 = 36
-  integer, parameter :: KIND_CAX8R = 37
-  integer, parameter :: KIND_CAX_SHELL = 38   !< of a shell: two places along it, five heights
-  integer, parameter :: KIND_M3D3 = 39        !< membranes in space: triangle, 1 point
-  integer, parameter :: KIND_M3D6 = 42        !< 40: M3D4, 41: M3D4R, both with 4 points; 42: quadratic triangle, 3 points
-  integer, parameter :: KIND_M3D8R = 44       !< 43: M3D8, 9 points; 44: the same, 4 points
-  integer, parameter :: KIND_T3D2 = 45        !< straight truss, 1 point
-  integer, parameter :: KIND_T3D3 = 46        !< curved truss, 2 points; here the nodes are the ends, then the middle
-  integer, parameter :: KIND_SPRINGA = 47     !< spring along the line between two nodes
-  integer, parameter :: KIND_SPRING1 = 48     !< spring between a node and the ground, in one direction
-  integer, parameter :: KIND_SPRING2 = 49     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_GAPUNI = 50      !< gap between two nodes, in one direction
-  integer, parameter :: KIND_MASS = 51        !< point mass
-  integer, parameter :: KIND_R2D2 = 52        !< rigid edge in the plane: a face on both sides, no stiffness
-  integer, parameter :: KIND_RAX2 = 53        !< the same of a body of revolution
-  integer, parameter :: KIND_USER = 54        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
-  integer, parameter :: N_KINDS = 54
+  integer, parameter :: KIND_BEAM_KRONROD = 17   !< ... 5x5 over a rectangle or a circle of curved sides (calculix dialect)
+  integer, parameter :: KIND_C3D15_LAYER = 18   !< quadratic wedge, 6 points: a layer of a composite S6 (calculix dialect)
+  integer, parameter :: N_SOLID_KINDS = 18    !< the kinds up to here are three-dimensional solids
+  integer, parameter :: KIND_CPS3 = 19        !< plane stress: triangle, 1 point
+  integer, parameter :: KIND_CPS4 = 20        !< quadrilateral, 4 points
+  integer, parameter :: KIND_CPS4R = 21       !< quadrilateral, 1 point, hourglass stiffness
+  integer, parameter :: KIND_CPS6 = 22        !< quadratic triangle, 3 points
+  integer, parameter :: KIND_CPS8 = 23        !< quadratic quadrilateral, 9 points
+  integer, parameter :: KIND_CPS8R = 24       !< the same, 4 points
+  integer, parameter :: KIND_CPE3 = 25        !< plane strain: the same six shapes ...
+  integer, parameter :: KIND_CPE4 = 26        !< ... with mean dilatation
+  integer, parameter :: KIND_CPE4_FULL = 27   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CPE4R = 28
+  integer, parameter :: KIND_CPE6 = 29
+  integer, parameter :: KIND_CPE8 = 30
+  integer, parameter :: KIND_CPE8R = 31
+  integer, parameter :: KIND_CAX3 = 32        !< axisymmetric about y, x is the radius: the same
+  integer, parameter :: KIND_CAX4 = 33        !< ... with mean dilatation
+  integer, parameter :: KIND_CAX4_FULL = 34   !< ... without (calculix dialect)
+  integer, parameter :: KIND_CAX4R = 35
+  integer, parameter :: KIND_CAX6 = 36
+  integer, parameter :: KIND_CAX8 = 37
+  integer, parameter :: KIND_CAX8R = 38
+  integer, parameter :: KIND_CAX_SHELL = 39   !< of a shell: two places along it, five heights
+  integer, parameter :: KIND_M3D3 = 40        !< membranes in space: triangle, 1 point
+  integer, parameter :: KIND_M3D6 = 43        !< 41: M3D4, 42: M3D4R, both with 4 points; 43: quadratic triangle, 3 points
+  integer, parameter :: KIND_M3D8R = 45       !< 44: M3D8, 9 points; 45: the same, 4 points
+  integer, parameter :: KIND_T3D2 = 46        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 47        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 48     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 49     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 50     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_GAPUNI = 51      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 52        !< point mass
+  integer, parameter :: KIND_R2D2 = 53        !< rigid edge in the plane: a face on both sides, no stiffness
+  integer, parameter :: KIND_RAX2 = 54        !< the same of a body of revolution
+  integer, parameter :: KIND_USER = 55        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
+  integer, parameter :: N_KINDS = 55
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 55          !< shells
-  integer, parameter :: KIND_S4 = 56
-  integer, parameter :: KIND_S4R = 57
-  integer, parameter :: KIND_S6 = 58
-  integer, parameter :: KIND_S8 = 59
-  integer, parameter :: KIND_S8R = 60
-  integer, parameter :: KIND_B31 = 61         !< beams
-  integer, parameter :: KIND_B31R = 62
-  integer, parameter :: KIND_B32 = 63         !< end, middle, end
-  integer, parameter :: KIND_B32R = 64
-  integer, parameter :: KIND_SAX1 = 65        !< axisymmetric shells
-  integer, parameter :: KIND_SAX2 = 66        !< end, middle, end
-  integer, parameter :: N_DECK_KINDS = 66
+  integer, parameter :: KIND_S3 = 56          !< shells
+  integer, parameter :: KIND_S4 = 57
+  integer, parameter :: KIND_S4R = 58
+  integer, parameter :: KIND_S6 = 59
+  integer, parameter :: KIND_S8 = 60
+  integer, parameter :: KIND_S8R = 61
+  integer, parameter :: KIND_B31 = 62         !< beams
+  integer, parameter :: KIND_B31R = 63
+  integer, parameter :: KIND_B32 = 64         !< end, middle, end
+  integer, parameter :: KIND_B32R = 65
+  integer, parameter :: KIND_SAX1 = 66        !< axisymmetric shells
+  integer, parameter :: KIND_SAX2 = 67        !< end, middle, end
+  integer, parameter :: N_DECK_KINDS = 67
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
@@ -102,7 +103,7 @@ module amontons_element_kinds
     FACET_LINE3 = 6
 
   integer, parameter :: MAX_ELEMENT_NODES = 20        !< most nodes of an element
-  integer, parameter :: MAX_ELEMENT_POINTS = 27       !< most integration points of an element
+  integer, parameter :: MAX_ELEMENT_POINTS = 50       !< most integration points of an element
   integer, parameter :: MAX_ELEMENT_AMPLITUDES = 27   !< most numbers that an element keeps beside the history of its points
   integer, parameter :: MAX_FACE_NODES = 8    !< most nodes of a face
 
@@ -160,11 +161,9 @@ contains
       entry = wedge_kind('C3D15', 15, 9, 26)
     case (KIND_C3D15_LAYER)
       entry = wedge_kind('layWedge', 15, 6, 26)   ! no deck can name it
-    case (KIND_C3D8)
+    case (KIND_C3D8, KIND_C3D8_FULL)
       entry = hexahedron_kind('C3D8', 8, 8, 12)
-      entry%is_mean_dilatation = .true.
-    case (KIND_C3D8_FULL)
-      entry = hexahedron_kind('C3D8', 8, 8, 12)
+      entry%is_mean_dilatation = kind == KIND_C3D8
     case (KIND_C3D20)
       entry = hexahedron_kind('C3D20', 20, 27, 25)
     case (KIND_C3D20R)
@@ -185,6 +184,8 @@ contains
       entry = hexahedron_kind('boxBeam', 20, 24, 25)
     case (KIND_BEAM_CIRC)
       entry = hexahedron_kind('circBeam', 20, 24, 25)
+    case (KIND_BEAM_KRONROD)
+      entry = hexahedron_kind('kronBeam', 20, 50, 25)
     case (KIND_CPS3:KIND_CPS8R)
       entry = plane_kind('CPS', FAMILY_PLANE_STRESS, kind - KIND_CPS3 + merge(1, 0, kind >= KIND_CPS4))
     case (KIND_CPE3:KIND_CPE8R)

@@ -30,7 +30,6 @@ module amontons_postprocess
   use amontons_material_point, only: evaluate_thermal_strain
   use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
-  use amontons_structural_data, only: SECTION_CIRC
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, extreme_eigenvalues, &
     von_mises
   use amontons_surfaces, only: surface_type, BEHAVIOR_LINEAR, BEHAVIOR_USER
@@ -438,7 +437,7 @@ contains
 
 
   !> The points of CalculiX's tables, if they are others than here: rows of the solid to which it expands a truss, all with the mean
-  !! of its points; the points of beams by interpolation, but of circles, whose solids have curved sides.
+  !! of its points; the points of boxes by interpolation.
   pure subroutine find_printed_points(model, e, n, matrix)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                       !< element
@@ -447,11 +446,7 @@ contains
     n = 0
     matrix = 0
     if (model%dialect /= DIALECT_CALCULIX) return
-    if (is_beam_kind(model%mesh%kind(e))) then
-      associate (section => model%structure%sections(model%structure%section(e)))
-        if (section%shape /= SECTION_CIRC) call interpolate_printed_points(model%mesh%kind(e), n, matrix)
-      end associate
-    end if
+    if (is_beam_kind(model%mesh%kind(e))) call interpolate_printed_points(model%mesh%kind(e), n, matrix)
     if (.not. is_truss(model%mesh, e)) return
     n = merge(8, 27, model%mesh%kind(e) == KIND_T3D2)
     associate (m => model%mesh%point_first(e + 1) - model%mesh%point_first(e))

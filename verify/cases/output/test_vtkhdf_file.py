@@ -32,7 +32,7 @@ TIMES = [0.0, 0.5, 1.0]
 #: VTK cell type, nodes and volume of the parent element of each kind, in the order of element_kinds.f90: the solids
 KINDS = [
     (10, 4, 1 / 6), (13, 6, 1.0), (12, 8, 8.0), (12, 8, 8.0), (24, 10, 1 / 6), (25, 20, 8.0), (25, 20, 8.0), (12, 8, 8.0),
-    (12, 8, 8.0), (26, 15, 1.0), (12, 8, 8.0), (13, 6, 1.0), *4 * [(25, 20, 8.0)], (26, 15, 1.0),
+    (12, 8, 8.0), (26, 15, 1.0), (12, 8, 8.0), (13, 6, 1.0), *5 * [(25, 20, 8.0)], (26, 15, 1.0),
 ]  # fmt: skip
 
 
@@ -333,7 +333,7 @@ def test_model_beside_the_grid(folder: Path) -> None:
         assert ours["steps/title"][:].tolist() == [b"", b"the second"]
         assert ours["mesh/node_label"][:3].tolist() == [10, 20, 30]
         assert ours["mesh/element_label"][:2].tolist() == [101, 102]
-        names = b"C3D4 C3D6 C3D8 C3D8 C3D10 C3D20 C3D20R C3D8I C3D8R C3D15 CSS8 CSS6 rectBeam pipeBeam boxBeam circBeam layWedge".split()
+        names = b"C3D4 C3D6 C3D8 C3D8 C3D10 C3D20 C3D20R C3D8I C3D8R C3D15 CSS8 CSS6 rectBeam pipeBeam boxBeam circBeam kronBeam layWedge".split()
         assert ours["mesh/element_kind"][:].tolist() == [name for name in names for _ in range(2)]
         sets = ours["mesh/node_sets"]
         assert sets["name"][:].tolist() == [b"Corner", b"Empty"]

@@ -5,8 +5,8 @@ program test_beam_rules
     interpolate_printed_points, MAX_PRINTED_POINTS
   use amontons_kinds, only: DP, PI
   use amontons_shape_functions, only: node_coordinates
-  use amontons_element_kinds, only: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_C3D20, KIND_CPS3, &
-    MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_BEAM_KRONROD, &
+    KIND_C3D20, KIND_CPS3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -14,9 +14,10 @@ program test_beam_rules
   real(DP), parameter :: HOLE = 0.6_DP             ! inner over outer radius of the pipe
   logical, parameter :: IS_ALONG_ETA(4) = [.true., .false., .true., .false.]   ! walls at +1 and -1
   real(DP), parameter :: WALLS(4) = [0.1_DP, 0.2_DP, 0.05_DP, 0.3_DP]
-  call suite%that('kinds', is_beam_kind(KIND_BEAM_RECT) .and. is_beam_kind(KIND_BEAM_CIRC) .and. .not. is_beam_kind(KIND_C3D20) &
+  call suite%that('kinds', is_beam_kind(KIND_BEAM_RECT) .and. is_beam_kind(KIND_BEAM_KRONROD) .and. .not. is_beam_kind(KIND_C3D20) &
     .and. .not. is_beam_kind(KIND_CPS3))
   call check_moments('rectangle', KIND_BEAM_RECT, NONE, [4.0_DP, 4.0_DP / 3, 4.0_DP / 3], 18)
+  call check_moments('Kronrod', KIND_BEAM_KRONROD, NONE, [4.0_DP, 4.0_DP / 3, 4.0_DP / 3], 50)
   call check_moments('circle', KIND_BEAM_CIRC, NONE, [PI, PI / 4, PI / 4], 24)
   call check_moments('pipe', KIND_BEAM_PIPE, [0.5_DP * (1 - HOLE), 0.0_DP, 0.0_DP, 0.0_DP], [PI * (1 - HOLE**2), &
     PI * (1 - HOLE**4) / 4, PI * (1 - HOLE**4) / 4], 16)
@@ -71,7 +72,7 @@ contains
   end subroutine check_box
 
 
-  !> Two circles integrate r^4 and r^6 of the full circle exactly.
+  !> Two circles integrate r^4 and r^6 of the full circle exactly, five points by Kronrod the power 6 in each direction.
   subroutine check_fourth_moment()
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     integer :: n
@@ -82,25 +83,29 @@ contains
       call suite%near('circle: r^4', sum(w * square**2) / 2, PI / 3, 1.0e-14_DP)
       call suite%near('circle: r^6', sum(w * square**3) / 2, PI / 4, 1.0e-14_DP)
     end associate
+    xi = 0
+    w = 0
+    call set_beam_rule(KIND_BEAM_KRONROD, NONE, n, xi, w)
+    call suite%near('Kronrod: eta^6 zeta^6', sum(w * (xi(2, :) * xi(3, :))**6) / 2, 4.0_DP / 49, 1.0e-14_DP)
   end subroutine check_fourth_moment
 
 
-  !> A linear field comes back at the nodes of rectangles, pipes and boxes, beyond the edge of pipes too; so does a product of two
-  !! coordinates in a rectangle.
+  !> A linear field comes back at the nodes, beyond the edge of pipes too; so does a product of two coordinates with 5 x 5 points.
   subroutine check_trilinear()
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), nodes(3, MAX_ELEMENT_NODES), matrix(MAX_ELEMENT_NODES, &
       MAX_ELEMENT_POINTS), values(MAX_ELEMENT_POINTS)
     integer :: kind, n, a
     call node_coordinates(KIND_C3D20, nodes)
-    do kind = KIND_BEAM_RECT, KIND_BEAM_BOX
+    do kind = KIND_BEAM_PIPE, KIND_BEAM_KRONROD
+      if (kind == KIND_BEAM_CIRC) cycle
       xi = 0
       w = 0
       call set_beam_rule(kind, WALLS, n, xi, w)
       call extrapolate_beam_trilinearly(kind, WALLS, nodes, matrix)
       values = 1 + 2 * xi(2, :) - 3 * xi(3, :) + xi(1, :) * (0.5_DP + xi(2, :))
-      if (kind == KIND_BEAM_RECT) values = values + xi(2, :) * xi(3, :)
+      if (kind == KIND_BEAM_KRONROD) values = values + xi(2, :) * xi(3, :)
       do a = 1, 20
-        associate (place => nodes(:, a), twist => merge(product(nodes(2:, a)), 0.0_DP, kind == KIND_BEAM_RECT))
+        associate (place => nodes(:, a), twist => merge(product(nodes(2:, a)), 0.0_DP, kind == KIND_BEAM_KRONROD))
           call suite%near('trilinear', dot_product(matrix(a, :n), values(:n)), 1 + 2 * place(2) - 3 * place(3) + place(1) * &
             (0.5_DP + place(2)) + twist, 2.0e-13_DP)
         end associate
@@ -109,47 +114,55 @@ contains
   end subroutine check_trilinear
 
 
-  !> A linear field comes back at the nodes; of circles at the edge of the section. A rectangle returns quadratic fields.
+  !> A linear field comes back at the nodes; of circles at the edge of the section. 3 x 3 and 5 x 5 points return
+  !! quadratic fields.
   subroutine check_extrapolation()
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), nodes(3, MAX_ELEMENT_NODES), matrix(MAX_ELEMENT_NODES, &
       MAX_ELEMENT_POINTS), place(3), values(MAX_ELEMENT_POINTS)
     integer :: kind, n, a
     call node_coordinates(KIND_C3D20, nodes)
-    do kind = KIND_BEAM_RECT, KIND_BEAM_CIRC
+    do kind = KIND_BEAM_RECT, KIND_BEAM_KRONROD
       xi = 0
       w = 0
       call set_beam_rule(kind, WALLS, n, xi, w)
       call extrapolate_beam(kind, WALLS, nodes, matrix)
       values = 1 + 2 * xi(2, :) - 3 * xi(3, :) + xi(1, :) * (0.5_DP + xi(2, :))
-      if (kind == KIND_BEAM_RECT) values = values + xi(2, :)**2 * xi(3, :)
+      if (is_square(kind)) values = values + xi(2, :)**2 * xi(3, :)
       do a = 1, 20
         place = nodes(:, a)
         if (kind == KIND_BEAM_PIPE .or. kind == KIND_BEAM_CIRC) place(2:) = place(2:) / max(1.0_DP, norm2(place(2:)))
         associate (expected => 1 + 2 * place(2) - 3 * place(3) + place(1) * (0.5_DP + place(2)))
           call suite%near('extrapolation', dot_product(matrix(a, :n), values(:n)), expected + merge(place(2)**2 * place(3), &
-            0.0_DP, kind == KIND_BEAM_RECT), 2.0e-13_DP)
+            0.0_DP, is_square(kind)), 2.0e-13_DP)
         end associate
       end do
     end do
   end subroutine check_extrapolation
 
 
-  !> The rows of CalculiX: places of the rectangle, corners and middles of the walls of a box; a pipe has its own points.
+  !> Whether the points of a kind are those of a square in rows and columns.
+  pure logical function is_square(kind)
+    integer, intent(in) :: kind
+    is_square = kind == KIND_BEAM_RECT .or. kind == KIND_BEAM_KRONROD
+  end function is_square
+
+
+  !> The rows of CalculiX: corners and middles of the walls of a box; pipes and 5 x 5 points have their own, in its order.
   subroutine check_tables()
     real(DP) :: matrix(MAX_PRINTED_POINTS, MAX_ELEMENT_POINTS), xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
     integer :: n, m
     call interpolate_printed_points(KIND_BEAM_PIPE, n, matrix)
     call suite%that('pipe: its own points', n == 0)
-    call interpolate_printed_points(KIND_BEAM_RECT, n, matrix)
+    call interpolate_printed_points(KIND_BEAM_KRONROD, n, matrix)
     xi = 0
     w = 0
-    call set_beam_rule(KIND_BEAM_RECT, NONE, m, xi, w)
-    call suite%that('rectangle: rows', n == 50)
-    call suite%near('rectangle: row 1', norm2(matmul(matrix(1, :), transpose(xi)) + sqrt(1 / 3.0_DP)), 0.0_DP, 1.0e-13_DP)
-    call suite%near('rectangle: row 9', norm2(matmul(matrix(9, :), transpose(xi)) + [sqrt(1 / 3.0_DP), sqrt(6 / 7.0_DP), &
-      sqrt(6 / 7.0_DP)]), 0.0_DP, 1.0e-13_DP)
-    call suite%near('rectangle: row 50', norm2(matmul(matrix(50, :), transpose(xi)) - [sqrt(1 / 3.0_DP), sqrt(6 / 7.0_DP), &
-      sqrt(6 / 7.0_DP)]), 0.0_DP, 1.0e-13_DP)
+    call set_beam_rule(KIND_BEAM_KRONROD, NONE, m, xi, w)
+    call suite%that('Kronrod: its own points', n == 0)
+    call suite%near('Kronrod: row 1', norm2(xi(:, 1) + sqrt(1 / 3.0_DP)), 0.0_DP, 1.0e-13_DP)
+    call suite%near('Kronrod: row 2', norm2(xi(:, 2) - [real(DP) :: 1, -1, -1] * sqrt(1 / 3.0_DP)), 0.0_DP, 1.0e-13_DP)
+    call suite%near('Kronrod: row 9', norm2(xi(:, 9) + [sqrt(1 / 3.0_DP), sqrt(6 / 7.0_DP), sqrt(6 / 7.0_DP)]), 0.0_DP, 1.0e-13_DP)
+    call suite%near('Kronrod: row 50', norm2(xi(:, 50) - [sqrt(1 / 3.0_DP), sqrt(6 / 7.0_DP), sqrt(6 / 7.0_DP)]), 0.0_DP, &
+      1.0e-13_DP)
     call interpolate_printed_points(KIND_BEAM_BOX, n, matrix)
     xi = 0
     call set_beam_rule(KIND_BEAM_BOX, WALLS, m, xi, w)

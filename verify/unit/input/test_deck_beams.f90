@@ -5,7 +5,7 @@ program test_deck_beams
   use amontons_deck, only: read_deck_text
   use amontons_errors, only: diagnostic_list_type, error_type
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX
-  use amontons_element_kinds, only: KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_BEAM_RECT, KIND_C3D20
+  use amontons_element_kinds, only: KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_CIRC, KIND_BEAM_KRONROD, KIND_C3D20
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
@@ -40,7 +40,7 @@ contains
     associate (d => model%structure%directors(1), x => model%mesh%coordinates)
       call suite%near('a corner on the ellipse', norm2((x(2:, d%nodes(4)) - x(2:, d%node)) / d%thickness), 0.5_DP, 1.0e-15_DP)
     end associate
-    call suite%that('calculix: two places along B32R', model%mesh%kind(1) == KIND_BEAM_RECT)
+    call suite%that('calculix: 5 x 5 points of B32R', model%mesh%kind(1) == KIND_BEAM_KRONROD)
     call expect_read(B32 // section('RECT', '.3'), model, DIALECT_CALCULIX)
     call suite%near('calculix: a square', maxval(abs(model%structure%directors(1)%thickness - 0.3_DP)), 0.0_DP, 1.0e-15_DP)
     call expect_read('*ELEMENT, TYPE=B32, ELSET=B;1,1,2,3;' // section('RECT', '.3,.4'), model, DIALECT_CALCULIX)
