@@ -21,9 +21,10 @@ module amontons_external_loads
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
   use amontons_state, only: fields_type, load_time
   use amontons_steps, only: step_type
+  use amontons_structural_data, only: structure_type, director_type, force_weights
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
     MAX_FACE_NODES, MAX_ELEMENT_POINTS, &
-    KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
+    FAMILY_SHELL, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
   use amontons_user_state, only: evaluate_dload
   implicit none
   private
@@ -270,25 +271,71 @@ contains
   end subroutine add_pressure
 
 
-  !> Nodal forces of a force per reference area of a face.
+  !> Nodal forces of a force per reference area of a face. On a side of a shell it acts at the reference surface, where the nodes
+  !! are, per area of that surface: on the face of the solid it would bend the shell by half its thickness.
   subroutine add_traction(model, e, face, traction, fields)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e, face                 !< element, number of its face
     real(DP), intent(in) :: traction(3)            !< [stress]
     type(fields_type), intent(inout) :: fields
     type(element_kind_type) :: kind
-    real(DP) :: areas(MAX_FACE_NODES)
-    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), n, a
+    real(DP) :: areas(MAX_FACE_NODES), x(3, MAX_FACE_NODES)
+    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), fibre(MAX_FACE_NODES), n, a
     kind = element_kind(model%mesh%kind(e))
     call element_nodes(model%mesh, e, n, nodes)
     local = kind%face_nodes(:, face)
     n = count(local > 0)
-    areas(:n) = integrate_nodal_areas(model%mesh%coordinates(:, nodes(local(:n))), kind%face_kind(face), &
-      out_of_plane_depth(model%mesh, e))
+    fibre(:n) = 0
+    if (allocated(model%structure)) fibre(:n) = fibres_of_side(model%structure, e, nodes(local(:n)))
+    x(:, :n) = model%mesh%coordinates(:, nodes(local(:n)))
     do a = 1, n
-      fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + areas(a) * traction
+      if (fibre(a) > 0) x(:, a) = model%mesh%coordinates(:, model%structure%directors(fibre(a))%node)
+    end do
+    areas(:n) = integrate_nodal_areas(x(:, :n), kind%face_kind(face), out_of_plane_depth(model%mesh, e))
+    do a = 1, n
+      if (fibre(a) > 0) then
+        call add_fibre_force(model%structure%directors(fibre(a)), areas(a) * traction, fields%applied_force)
+      else
+        fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + areas(a) * traction
+      end if
     end do
   end subroutine add_traction
+
+
+  !> The fibres that end at the nodes of a face, each at one: the face is a side of a shell. All 0: it is another face, like the
+  !! edge of a shell, where a fibre has both of its ends.
+  pure function fibres_of_side(structure, e, nodes) result(fibre)
+    type(structure_type), intent(in) :: structure
+    integer, intent(in) :: e                       !< element of the mesh
+    integer, intent(in) :: nodes(:)                !< of the face
+    integer :: fibre(size(nodes)), a, k
+    fibre = 0
+    if (structure%section(e) == 0) return
+    if (structure%sections(structure%section(e))%family /= FAMILY_SHELL) return
+    associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1))
+      do k = 1, size(of)
+        if (of(k) == 0) cycle
+        do a = 1, size(nodes)
+          if (any(structure%directors(of(k))%nodes(:2) == nodes(a))) fibre(a) = of(k)
+        end do
+      end do
+    end associate
+    if (any(fibre == 0) .or. any([(count(fibre == fibre(a)) > 1, a=1, size(nodes))])) fibre = 0
+  end function fibres_of_side
+
+
+  !> Adds a force at the node of a fibre: the nodes of the fibre share it.
+  pure subroutine add_fibre_force(director, force, applied_force)
+    type(director_type), intent(in) :: director
+    real(DP), intent(in) :: force(3)
+    real(DP), intent(inout) :: applied_force(:, :)   !< (3, n_nodes) [force]
+    real(DP) :: share(size(director%nodes))
+    integer :: i
+    share = force_weights(director, .false., .false.)
+    do i = 1, size(director%nodes)
+      applied_force(:, director%nodes(i)) = applied_force(:, director%nodes(i)) + share(i) * force
+    end do
+  end subroutine add_fibre_force
 
 
   !> K = K - (k + k')/2 for a face stiffness k, through the element's own table of positions.
