@@ -607,7 +607,7 @@ contains
     end do
     if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here ' // &
       verb(n_without, 'takes', 'take') // ' no load ' // label // '; tetrahedra have 4 faces (P1 to P4), wedges 5, ' // &
-      'hexahedra 6; shells take P and EDNOR1 to EDNOR4, beams P1 and P2.')
+      'hexahedra 6; shells take P and EDNOR1 to EDNOR4, beams P1 and P2, those by their section *CLOAD at their nodes.')
   end subroutine read_face_pressure
 
 

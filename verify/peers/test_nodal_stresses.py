@@ -94,14 +94,12 @@ def expanding(deck: str) -> str:
 
 
 @pytest.mark.parametrize("load", ["force", "heat", "weight"])
-@pytest.mark.parametrize("is_curved", [False, True], ids=["flat", "curved"])
-@pytest.mark.parametrize("kind", ["S3", "S4", "S4R", "S6", "S8", "S8R"])
+@pytest.mark.parametrize(("kind", "is_curved"), [
+    *((kind, False) for kind in ("S3", "S4", "S4R", "S6", "S8", "S8R")), *((kind, True) for kind in ("S3", "S6", "S8", "S8R"))])
 def test_strips(run_deck: RunDeck, tmp_path: Path, kind: str, is_curved: bool, load: str) -> None:
-    """Strips that are clamped at one end. Solids of S4 and S4R on curved shells are skew, which CalculiX 2.20 integrates in another way
+    """Strips that are clamped at one end. Solids of S4 and S4R on curved shells are left out: they are skew, which CalculiX 2.20 integrates in another way
     (doc/manual/from_calculix.md).
     """
-    if is_curved and kind in ("S4", "S4R"):
-        pytest.skip("C3D8I and C3D8R on skew elements differ")
     body = shell(kind, (4, 2), lambda u, v: (10 * np.sin(u), 4 * v, 10 - 10 * np.cos(u)) if is_curved else (10 * u, 4 * v, 0 * u))
     sets = "".join(f"*NSET, NSET={name}\n" + "".join(f"{i + 1}\n" for i in body.where(0, u)) for name, u in (("ROOT", 0.0), ("END", 1.0)))
     deck = body.cards() + sets + section(2.1e5, 0.3, 0.4, 1.0) + "*BOUNDARY\nROOT, 1, 6\n"
