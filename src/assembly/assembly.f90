@@ -5,7 +5,7 @@
 !! it is divided. Values at integration points stay with their rank until `share_points`.
 module amontons_assembly
   use amontons_kinds, only: DP
-  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
+  use amontons_element_kinds, only: KIND_C3D8I, KIND_C3D15, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
     KIND_GAPUNI, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_materials, only: material_type, MAX_HISTORY
@@ -119,7 +119,7 @@ contains
     is_plastic = .false.
     do k = 1, size(elements)
       associate (e => elements(k))
-        if (is_out(model, i_step, e)) cycle
+        if (is_out(model, i_step, e) .or. is_quadratic_solid_shell(model%mesh, e)) cycle
         m = element_material(model, i_step, e)
         is_plastic_k = is_plastic_batch_kind(model%mesh%kind(e), model%materials(m), is_nlgeom)
         if (.not. (is_plastic_k .or. is_batch_kind(model%mesh%kind(e), model%materials(m), is_nlgeom))) cycle
@@ -134,6 +134,15 @@ contains
     end do
     if (count(is_chosen) < MIN_BATCH_ELEMENTS) is_chosen = .false.
   end subroutine choose_batch_elements
+
+
+  !> Whether an element is the solid of S6 with assumed strains.
+  pure logical function is_quadratic_solid_shell(mesh, e)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element
+    is_quadratic_solid_shell = mesh%kind(e) == KIND_C3D15 .and. allocated(mesh%is_shell)
+    if (is_quadratic_solid_shell) is_quadratic_solid_shell = mesh%is_shell(e)
+  end function is_quadratic_solid_shell
 
 
   !> Puts the chosen elements into the lanes of a batch; unused lanes repeat the last element.
@@ -615,8 +624,9 @@ contains
       skew(:3 * n, :3 * n) = 0.5_DP * (stiffness(:3 * n, :3 * n) - transpose(stiffness(:3 * n, :3 * n)))   ! of kinds with modes
       stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) - skew(:3 * n, :3 * n)
       call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)
-      if (all(model%mesh%kind(e) /= [KIND_C3D8I, KIND_CSS8, KIND_CSS6])) call evaluate_element_skew(model%mesh%kind(e), X(:, :n), &
-        u(:, :n), is_nlgeom, points%section_value, points%skew, skew, points%walls)
+      if (all(model%mesh%kind(e) /= [KIND_C3D8I, KIND_CSS8, KIND_CSS6]) .and. .not. is_quadratic_solid_shell(model%mesh, e)) &
+        call evaluate_element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, points%section_value, points%skew, skew, &
+        points%walls)
       call scatter_element(model%mesh, e, offset, skew, assembly%skew%elements)
     end associate
   end subroutine add_element_tangent

@@ -22,6 +22,7 @@ module amontons_solid_elements
     ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
   use amontons_logarithmic_strain, only: log1p
   use amontons_shape_functions, only: shape_functions, quadrature
+  use amontons_quadratic_solid_shell, only: evaluate_quadratic_solid_shell
   use amontons_solid_shell, only: evaluate_solid_shell, set_layer_temperature_weights
   use amontons_element_kinds, only: KIND_CSS8, KIND_CSS6
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, kirchhoff_stress, STRESS_OK, STRESS_INVERTED, &
@@ -29,7 +30,7 @@ module amontons_solid_elements
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, VOIGT_INDEX, determinant_minus_one, invert, pack_voigt
   use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, &
     KIND_C3D8I, &
-    KIND_C3D8R, KIND_C3D10, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_KRONROD, N_SOLID_KINDS
+    KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_C3D20R, KIND_BEAM_RECT, KIND_BEAM_KRONROD, N_SOLID_KINDS
   implicit none
   private
   public :: evaluate_solid_element, evaluate_solid_volumes, integrate_solid_body_force, set_solid_temperature_weights
@@ -82,6 +83,10 @@ contains
     case (KIND_C3D8R)
       call evaluate_one_point(material, X, u, is_nlgeom, force, points, status, stiffness)
     case default
+      if (kind == KIND_C3D15 .and. points%is_shell) then
+        call evaluate_quadratic_solid_shell(material, X, u, is_nlgeom, force, points, status, stiffness)
+        return
+      end if
       call evaluate_kernel(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
       if (kind == KIND_C3D20R .and. points%is_shell .and. status == ELEMENT_OK) call stabilize_thickness(material, X, u, &
         is_nlgeom, force, points, stiffness)

@@ -45,7 +45,7 @@ module amontons_solid_shell
   use amontons_zero_stress_condition, only: solve_zero_stress, CONDITION_NONE
   implicit none
   private
-  public :: evaluate_solid_shell, set_layer_temperature_weights
+  public :: evaluate_solid_shell, set_layer_temperature_weights, find_rotation, find_stretched_gradient
 
   integer, parameter :: MAX_NODES = 8              !< of a solid shell
   integer, parameter :: MAX_POINTS = 20
@@ -547,7 +547,7 @@ contains
     do p = 1, reference%n_points
       call set_point_input(material, points, p, weight(:reference%n, p), point)
       strain = kinematics%strain(:, p) + matmul(reference%modes(:, :, p), amplitudes)
-      call find_gradient(strain, is_nlgeom, kinematics%turn(:, :, p), point%H, state)
+      call find_stretched_gradient(strain, is_nlgeom, kinematics%turn(:, :, p), point%H, state)
       if (state == STRESS_OK) call solve_zero_stress(CONDITION_NONE, material, is_nlgeom, point, state)
       if (state /= STRESS_OK) then
         status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, state == STRESS_INVERTED)
@@ -577,7 +577,7 @@ contains
 
 
   !> The displacement gradient of a strain: the symmetric one at small strain, else R U - 1 = (U - 1) + (R - 1) + (R - 1)(U - 1).
-  pure subroutine find_gradient(strain, is_nlgeom, turn, H, state)
+  pure subroutine find_stretched_gradient(strain, is_nlgeom, turn, H, state)
     real(DP), intent(in) :: strain(6)              !< engineering shears [-]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(in) :: turn(3, 3)             !< R - 1; looked at at finite strain only
@@ -597,7 +597,7 @@ contains
     stretch = stretch_minus_one(x, axes)
     H = stretch + turn + matmul(turn, stretch)
     state = STRESS_OK
-  end subroutine find_gradient
+  end subroutine find_stretched_gradient
 
 
   !> The forces of the stresses on displacements and amplitudes, from a given unknown on.

@@ -59,7 +59,8 @@ contains
             solid = meridian_nodes(structure%directors(structure%director_of(from:to)), &
               layer_heights(structure%sections(structure%section(e))), mesh%layer(e))
           else
-            mesh%is_shell(e) = mesh%kind(e) /= KIND_CSS6 .or. n_section_layers(structure%sections(structure%section(e))) == 1
+            mesh%is_shell(e) = mesh%kind(e) /= KIND_C3D15 .or. .not. is_calculix
+            if (mesh%kind(e) == KIND_CSS6) mesh%is_shell(e) = n_section_layers(structure%sections(structure%section(e))) == 1
             solid = shell_nodes(structure%directors(structure%director_of(from:to)), &
               layer_heights(structure%sections(structure%section(e))), mesh%layer(e))
           end if

@@ -392,37 +392,7 @@ contains
         to_text(mesh%element_label(bad_element)) // ' has no normal at one of its nodes: it has no area ' // &
         'there, or the first direction of a beam is along the beam.')
     end associate
-    if (reader%messages%n_errors > 0) return
-    if (model%dialect /= DIALECT_CALCULIX) call check_curvature(reader, model)
   end subroutine read_structure
-
-
-  !> Quadratic triangles lock where an element curves by more than a part of its thickness: refused. A pinched hemisphere moves by
-  !! 0.73 of the right value at a sag of 0.9 t, a pinched cylinder by 0.65 at 0.5 t, a roof by 0.98 at 0.1 t.
-  subroutine check_curvature(reader, model)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
-    real(DP), parameter :: MAX_SAG = 0.2_DP        !< over the thickness [-]
-    real(DP) :: sag
-    integer :: e, a, b
-    associate (structure => model%structure, X => model%mesh%coordinates)
-      if (.not. allocated(structure%directors)) return
-      do e = 1, size(structure%kind)
-        if (structure%kind(e) /= KIND_S6 .or. structure%section(e) == 0) cycle
-        do a = 0, 2
-          b = modulo(a + 1, 3)
-          associate (one => structure%directors(structure%director_of(structure%first(e) + a)), other => &
-            structure%directors(structure%director_of(structure%first(e) + b)))
-            sag = norm2(X(:, one%node) - X(:, other%node)) * norm2(one%axes(:, 1) - other%axes(:, 1)) / 8
-            if (sag <= MAX_SAG * min(one%thickness(1), other%thickness(1))) cycle
-          end associate
-          call report_error(reader, 0, 'The element ' // to_text(model%mesh%element_label(e)) // ' (S6, STRI65) curves by ' // &
-            'more than ' // to_text(MAX_SAG) // ' of its thickness: it would lock. Use S8R, S4 or S3, or smaller elements.')
-          return
-        end do
-      end do
-    end associate
-  end subroutine check_curvature
 
 
   !> The part of bending that one linear solution loses by rounding. The stiffness across the thickness t exceeds that of the

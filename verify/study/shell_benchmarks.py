@@ -24,8 +24,9 @@ from verify.decks.shells import Floats, Shell, held, section, shell
 
 Place = Callable[[Floats, Floats], tuple[Floats, Floats, Floats]]
 
-MESHES = [("S4", 8), ("S4", 16), ("S4", 32), ("S3", 16), ("S8R", 4), ("S8R", 8), ("S6", 8), ("S6", 16)]
-UNEVEN = [("S4", 4), ("S4", 8), ("S4", 16), ("S4", 32), ("S3", 16), ("S8R", 4), ("S8R", 8)]
+MESHES = [("S4", 8), ("S4", 10), ("S4", 16), ("S4", 20), ("S4", 32), ("S4", 40), ("S3", 16), ("S3", 32), ("S8R", 4), ("S8R", 8), ("S8R", 16), ("S6", 4)]
+MESHES += [("S6", 8), ("S6", 16), ("S6", 32)]
+UNEVEN = [("S4", 4), ("S4", 8), ("S4", 16), ("S4", 32), ("S3", 16), ("S8R", 4), ("S8R", 8), ("S6", 4), ("S6", 8), ("S6", 16)]
 
 
 def uneven(place: Place, n: int) -> Place:

@@ -15,7 +15,7 @@ from verify.cases.proof import Case
 from verify.conftest import Run
 from verify.decks.shells import Floats, held, section, shell
 from verify.readers.dat_frd_files import read_dat
-from verify.study.shell_benchmarks import cylinder, hemisphere
+from verify.study.shell_benchmarks import cylinder, hemisphere, roof
 
 Proof = Callable[..., Case]
 
@@ -221,8 +221,47 @@ def test_hemisphere_of_triangles(proof: Proof, is_uneven: bool) -> None:
     case.done()
 
 
-@pytest.mark.parametrize("thickness", [1.0, 0.1, 0.01])
-@pytest.mark.parametrize("kind", ["S3", "S4"])
+@pytest.mark.parametrize(("problem", "n", "allowed"), [("roof", 4, 0.01), ("roof", 8, 0.01), ("cylinder", 8, 0.02), ("hemisphere", 16, 0.01)])
+def test_curved_quadratic_triangles(proof: Proof, problem: str, n: int, allowed: float) -> None:
+    """Thin curved shells of S6."""
+    case = proof(
+        f"curved-s6-{problem}-{n}",
+        title=f"{problem.capitalize()} of S6, {n} x {n}",
+        model=f"The Scordelis-Lo roof, the pinched cylinder or the pinched hemisphere with a hole, {n} x {n} cells of two quadratic triangles in a quarter (an "
+        "eighth of the cylinder).",
+        formula="The edge of the roof sinks by 0.3024, the loaded places move by 1.8248e-5 and 0.0930.",
+        source="R. H. MacNeal, R. L. Harder, Finite Elements in Analysis and Design 1 (1985) 3-20; J. C. Simo, D. D. Fox, M. S. Rifai, Comput. Methods Appl. Mech. "
+        "Engrg. 73 (1989) 53-92",
+        proves="No membrane or shear locking of curved triangles: strains of the displacements give 0.81, 0.980, 0.66 and 0.89 on these meshes.",
+    )
+    _, deck, node, direction, expected = {"roof": roof, "cylinder": cylinder, "hemisphere": hemisphere}[problem]("S6", n)
+    job = case.run(deck, f"{n} x {n}")
+    case.near("displacement", float(job.last("U")[node, direction]), expected, allowed, why="the mesh", place="loaded place or free edge", time="the end")
+    case.done()
+
+
+def test_large_deflection_of_quadratic_triangles(proof: Proof) -> None:
+    """The pinched hemisphere of S6 under a hundred times the load."""
+    case = proof(
+        "large-deflection-hemisphere-s6",
+        title="Pinched hemisphere with a hole, large displacements, S6, 16 x 16",
+        model="The pinched hemisphere under forces of 200, NLGEOM, 16 x 16 cells of two triangles.",
+        formula="The loaded places move by 3.406 outward and 5.902 inward.",
+        source="K. Y. Sze, X. H. Liu, S. H. Lo, Finite Elements in Analysis and Design 40 (2004) 1551-1569: hemispherical shell under alternating radial forces",
+        proves="The assumed strains of S6 under large rotations.",
+    )
+    body, deck, node, _, _ = hemisphere("S6", 16)
+    other = body.at(1, 0)
+    load = f"*STEP, NLGEOM, INC=100\n*STATIC\n.1, 1.\n*CLOAD\n{node + 1}, 1, 100.\n{other + 1}, 2, -100.\n*END STEP\n"
+    job = case.run(deck.split("*STEP")[0] + load, "16 x 16")
+    case.near("outward", float(job.last("U")[node, 0]), 3.406, 0.02, why="2 % is the usual demand", place="loaded place", time="the end")
+    case.near("inward", -float(job.last("U")[other, 1]), 5.902, 0.02, why="2 % is the usual demand", place="loaded place", time="the end")
+    case.done()
+
+
+@pytest.mark.parametrize(
+    ("kind", "thickness"), [("S3", 1.0), ("S3", 0.1), ("S3", 0.01), ("S4", 1.0), ("S4", 0.1), ("S4", 0.01), ("S6", 0.01)]
+)  # fmt: skip
 def test_clamped_plate(proof: Proof, kind: str, thickness: float) -> None:
     """A clamped square plate under pressure, ever thinner."""
     case = proof(

@@ -45,22 +45,23 @@ program test_element
     call check_hydrostatic(kind)
     call check_exits(kind)
   end do
-  do i = 1, 2
-    is_whole = i == 1
-    if (.not. is_whole) stack_bending = 1.0e4_DP * reshape([real(DP) :: 3, 1, 1, 2], [2, 2])
+  do i = 1, 3                                      ! CSS6 alone, in a stack; the quadratic solid shell
+    is_whole = i /= 2
+    stack_bending = merge(1.0e4_DP, 0.0_DP, i == 2) * reshape([real(DP) :: 3, 1, 1, 2], [2, 2])
+    kind = merge(KIND_C3D15, KIND_CSS6, i == 3)
     do law = LAW_HENCKY, LAW_SAINT_VENANT
       material%law = law
-      call check_derivatives(KIND_CSS6, .true.)
-      call check_forces_alone(KIND_CSS6)
-      call check_tiny(KIND_CSS6)
+      call check_derivatives(kind, .true.)
+      call check_forces_alone(kind)
+      call check_tiny(kind)
     end do
     material%law = LAW_HENCKY
-    call check_derivatives(KIND_CSS6, .false.)
-    call check_rigid_motion(KIND_CSS6)
-    call check_balance(KIND_CSS6)
-    call check_modes(KIND_CSS6)
-    call check_hydrostatic(KIND_CSS6)
-    call check_exits(KIND_CSS6)
+    call check_derivatives(kind, .false.)
+    call check_rigid_motion(kind)
+    call check_balance(kind)
+    call check_modes(kind)
+    call check_hydrostatic(kind)
+    call check_exits(kind)
   end do
   stack_bending = 0
   is_whole = .false.

@@ -148,8 +148,6 @@ contains
     call expect_message(SHELL // '*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=HEX;.1,.2;', 'HEX')
     call expect_message(SHELL // '*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=RECT;.1,0.;', 'dimensions must be positive')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M;.001;' // BEAM, 'too thin at element 1')
-    call expect_message(SHELL // BEAM // '*NODE;11,0,0,0;12,1,0,0;13,0,1,0;14,.5,0,.1;15,.5,.5,.1;16,0,.5,0;*ELEMENT, ' // &
-      'TYPE=S6, ELSET=T;3,11,12,13,14,15,16;*SHELL SECTION, ELSET=T, MATERIAL=M;.1;', 'curves by more than 0.2 of its thickness')
     call expect_message(SHELL // BEAM // '*NORMAL;1,2,0,0,0;', 'normal must not be zero')
     call expect_message('*SHELL SECTION, ELSET=E, MATERIAL=M, NODAL THICKNESS;*NODAL THICKNESS;1,.1;2,.1;3,.1;' // BEAM, &
       'The node 4 has no thickness')
