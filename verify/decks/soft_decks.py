@@ -84,6 +84,32 @@ FIXED, 1, 3
 {steps}"""
 
 
+def strip_bent_both_ways(kind: str, n_cells: int = 8, controls: str = "") -> str:
+    """A clamped strip, 10 by 2 by 0.05, whose end is bent by a force across it, and by one twenty times as large along its width at a
+    corner: it twists, and the force in its plane bends it across as well. The deck is of the calculix dialect.
+    """
+    mesh = as_kind(block(np.linspace(0, 10, n_cells + 1), [0, 1, 2], [0, 0.05], "STRIP"), kind)
+    x = mesh.nodes
+    chosen = {"ROOT": np.isclose(x[:, 0], 0), "TIP": np.isclose(x[:, 0], 10), "CORNER": np.isclose(x[:, 0], 10) & np.isclose(x[:, 1], 0)}
+    sets = "".join(f"*NSET, NSET={name}\n" + "".join(f"{k + 1},\n" for k in np.flatnonzero(where)) for name, where in chosen.items())
+    return f"""** dialect: calculix
+{mesh.cards()}{sets}*MATERIAL, NAME=STEEL
+*ELASTIC
+210000., .3
+*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL
+*BOUNDARY
+ROOT, 1, 3
+*STEP, NLGEOM
+*STATIC
+{controls}*CLOAD
+TIP, 3, {0.005448 / chosen["TIP"].sum():.10g}
+CORNER, 2, {0.10896 / chosen["CORNER"].sum():.10g}
+*NODE PRINT, NSET=TIP
+U
+*END STEP
+"""
+
+
 def tied_tee(controls: str = "") -> str:
     """A clamped plate of C3D8I, 10 by 2 by 0.5, with an upright one and a gusset tied to it and to each other, bent and twisted in one
     increment: bending and membrane motion are corrected in turn. The corner nodes of the gusset are slaves of two ties. The deck is

@@ -29,7 +29,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from verify.decks.soft_decks import cantilever_on_a_rope, spring_beside_bar, tied_tee
+from verify.decks.soft_decks import cantilever_on_a_rope, spring_beside_bar, strip_bent_both_ways, tied_tee
 
 ROOT = Path(__file__).resolve().parents[2]
 DECKS = Path(os.environ.get("AMONTONS_DECKS", ROOT.parent / "shared" / "decks"))
@@ -126,6 +126,7 @@ def own_decks() -> dict[str, str]:
         "rope, taut": cantilever_on_a_rope((0, 200, 0), (3, -2, 8), 0.0),
         "rope, stiff beside soft": cantilever_on_a_rope((0, 200, 0), (0.02, -4, 8), 0.01),
         "tied tee": tied_tee(),
+        "strip bent both ways": strip_bent_both_ways("C3D20R"),
         "rope, slack": cantilever_on_a_rope((0, 100, 0), (2, -4, 8), 0.05),
     }
 
