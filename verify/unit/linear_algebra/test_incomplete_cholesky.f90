@@ -3,17 +3,21 @@
 program test_incomplete_cholesky
   use amontons_kinds, only: DP, SP
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, alike_rows
   use amontons_incomplete_cholesky, only: incomplete_cholesky_type, factorise_incomplete, apply_incomplete, discard_incomplete
   use check, only: suite_type
 !$ use omp_lib, only: omp_set_num_threads
   implicit none
   type(suite_type) :: suite
+  integer :: i
 
   call test_chain()
-  call test_product([integer ::], 'one domain')
-  call test_product(stripes(2), 'two domains')
-  call test_product(stripes(5), 'five domains')
+  call test_product(plate(), [integer ::], 'one domain')
+  call test_product(plate(), stripes(2), 'two domains')
+  call test_product(plate(), stripes(5), 'five domains')
+  call test_product(plate_of_threes(), [integer ::], 'rows alike, one domain')
+  call test_product(plate_of_threes(), threefold(stripes(2)), 'rows alike, two domains')
+  call test_product(plate_of_threes(), [(merge(1, 2, mod(i, 27) < 14), i=1, 216)], 'rows alike, of two domains')
   call test_threads()
   call test_shift()
   call suite%finish()
@@ -46,17 +50,17 @@ contains
 
 
   !> U'U is A on the pattern of A: that is what makes the factor the incomplete one. Its inverse is symmetric.
-  subroutine test_product(domain, name)
+  subroutine test_product(a, domain, name)
+    type(sparse_type), intent(in) :: a
     integer, intent(in) :: domain(:)
     character(*), intent(in) :: name
     type(incomplete_cholesky_type) :: factor
-    type(sparse_type) :: a, pattern
+    type(sparse_type) :: pattern
     real(DP), allocatable :: u(:, :), product(:, :), x(:), y(:), mx(:), my(:)
     integer, allocatable :: unknown(:)
     real(DP) :: largest
     logical :: is_broken
     integer :: i, p, n
-    a = plate()
     n = a%n_rows
     call factorise_incomplete(factor, a, domain, is_broken)
     call suite%that(name // ': a factor', .not. is_broken)
@@ -128,6 +132,41 @@ contains
     call factorise_incomplete(factor, a, stripes(3), is_broken)
     call suite%that('negative diagonal: broken', is_broken)
   end subroutine test_shift
+
+
+  !> The same springs for three coupled unknowns at each point: rows are alike by threes.
+  function plate_of_threes() result(a)
+    type(sparse_type) :: a, one
+    real(DP), parameter :: COUPLING(3, 3) = reshape([1.0_DP, 0.3_DP, 0.1_DP, 0.3_DP, 1.2_DP, 0.2_DP, 0.1_DP, 0.2_DP, 0.9_DP], &
+      [3, 3])
+    type(error_type), allocatable :: error
+    integer, allocatable :: row(:), column(:)
+    real(DP), allocatable :: value(:)
+    integer :: i, k, p, q
+    one = plate()
+    allocate (row(0), column(0), value(0))
+    do k = 1, one%n_rows
+      do p = one%first(k), one%first(k + 1) - 1
+        do i = 1, 3
+          do q = merge(i, 1, one%column(p) == k), 3
+            row = [row, 3 * k - 3 + i]
+            column = [column, 3 * one%column(p) - 3 + q]
+            value = [value, one%value(p) * COUPLING(i, q)]
+          end do
+        end do
+      end do
+    end do
+    call sparse_from_triplets(3 * one%n_rows, 3 * one%n_rows, row, column, value, a, error)
+    a%n_alike = alike_rows(a)
+  end function plate_of_threes
+
+
+  !> The number of each point for its three unknowns.
+  pure function threefold(of_point) result(of_unknown)
+    integer, intent(in) :: of_point(:)
+    integer :: of_unknown(3 * size(of_point)), k
+    of_unknown = [(of_point((k + 2) / 3), k=1, 3 * size(of_point))]
+  end function threefold
 
 
   !> Springs on a grid of nine by eight unknowns, held along its edges.
