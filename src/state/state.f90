@@ -445,15 +445,26 @@ contains
   end subroutine clear_points
 
 
-  !> Copies fields; without values at points the copy has none.
+  !> Copies fields; without values at points the copy has none. Its arrays keep their memory, because new memory for all of them in
+  !! each attempt takes longer than the copy.
   subroutine copy_fields(has_points, from, to)
     logical, intent(in) :: has_points
     type(fields_type), intent(inout) :: from       !< not changed
     type(fields_type), intent(inout) :: to
-    type(fields_type) :: points
-    if (.not. has_points) call move_points(from, points)
-    to = from
-    if (.not. has_points) call move_points(points, from)
+    type(fields_type) :: source, copy
+    call move_points(from, source)
+    call move_other_arrays(from, source)
+    call move_other_arrays(to, copy)
+    if (has_points) then
+      call move_points(to, copy)
+      call copy_points(source, copy)
+    end if
+    call copy_other_arrays(source, copy)
+    to = from                                      ! the rest
+    call move_points(copy, to)
+    call move_other_arrays(copy, to)
+    call move_points(source, from)
+    call move_other_arrays(source, from)
   end subroutine copy_fields
 
 
@@ -465,5 +476,73 @@ contains
     call move_alloc(from%energy, to%energy)
     call move_alloc(from%volume, to%volume)
   end subroutine move_points
+
+
+  !> Copies the values at points.
+  pure subroutine copy_points(from, to)
+    type(fields_type), intent(in) :: from
+    type(fields_type), intent(inout) :: to
+    call copy_matrix(from%stress, to%stress)
+    call copy_matrix(from%strain, to%strain)
+    call copy_vector(from%energy, to%energy)
+    call copy_vector(from%volume, to%volume)
+  end subroutine copy_points
+
+
+  !> Moves the arrays by points, elements and nodes that are not those of move_points.
+  subroutine move_other_arrays(from, to)
+    type(fields_type), intent(inout) :: from, to
+    call move_alloc(from%u, to%u)
+    call move_alloc(from%v, to%v)
+    call move_alloc(from%dissipated, to%dissipated)
+    call move_alloc(from%history, to%history)
+    call move_alloc(from%modes, to%modes)
+    call move_alloc(from%temperature, to%temperature)
+    call move_alloc(from%internal_force, to%internal_force)
+    call move_alloc(from%applied_force, to%applied_force)
+    call move_alloc(from%contact_force, to%contact_force)
+    call move_alloc(from%reaction_force, to%reaction_force)
+  end subroutine move_other_arrays
+
+
+  !> Copies them.
+  pure subroutine copy_other_arrays(from, to)
+    type(fields_type), intent(in) :: from
+    type(fields_type), intent(inout) :: to
+    call copy_matrix(from%u, to%u)
+    call copy_matrix(from%v, to%v)
+    call copy_vector(from%dissipated, to%dissipated)
+    call copy_matrix(from%history, to%history)
+    call copy_matrix(from%modes, to%modes)
+    call copy_vector(from%temperature, to%temperature)
+    call copy_matrix(from%internal_force, to%internal_force)
+    call copy_matrix(from%applied_force, to%applied_force)
+    call copy_matrix(from%contact_force, to%contact_force)
+    call copy_matrix(from%reaction_force, to%reaction_force)
+  end subroutine copy_other_arrays
+
+
+  !> Copies an array, or that there is none.
+  pure subroutine copy_matrix(from, to)
+    real(DP), allocatable, intent(in) :: from(:, :)
+    real(DP), allocatable, intent(inout) :: to(:, :)
+    if (allocated(from)) then
+      to = from
+    else if (allocated(to)) then
+      deallocate (to)
+    end if
+  end subroutine copy_matrix
+
+
+  !> Likewise.
+  pure subroutine copy_vector(from, to)
+    real(DP), allocatable, intent(in) :: from(:)
+    real(DP), allocatable, intent(inout) :: to(:)
+    if (allocated(from)) then
+      to = from
+    else if (allocated(to)) then
+      deallocate (to)
+    end if
+  end subroutine copy_vector
 
 end module amontons_state
