@@ -25,7 +25,7 @@ module amontons_external_loads
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
     MAX_FACE_NODES, MAX_ELEMENT_POINTS, &
     FAMILY_SHELL, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
-  use amontons_user_state, only: evaluate_dload
+  use amontons_user_state, only: evaluate_dload, evaluate_utracload
   implicit none
   private
   public :: assemble_external_loads, assemble_reference_loads, add_foundation_stiffness, integrate_unit_mass, evaluate_density
@@ -71,7 +71,11 @@ contains
         case (DISTRIBUTED_PRESSURE)
           call add_pressure(assembly, model, load, magnitude, fields, is_nlgeom, has_stiffness)
         case (DISTRIBUTED_TRACTION)
-          call add_traction(model, load%element, load%face, magnitude * load%direction, fields)
+          if (load%is_user) then
+            call add_user_traction(model, load, fields, is_nlgeom)
+          else
+            call add_traction(model, load%element, load%face, magnitude * load%direction, fields)
+          end if
         case (DISTRIBUTED_CENTRIFUGAL)
           call add_centrifugal_forces(assembly, model, load, magnitude, fields, is_nlgeom, has_stiffness)
         case default
@@ -336,6 +340,29 @@ contains
       applied_force(:, director%nodes(i)) = applied_force(:, director%nodes(i)) + share(i) * force
     end do
   end subroutine add_fibre_force
+
+
+  !> Nodal forces of a traction by UTRACLOAD, per reference area.
+  subroutine add_user_traction(model, load, fields, is_nlgeom)
+    type(model_type), intent(in) :: model
+    type(distributed_type), intent(in) :: load
+    type(fields_type), intent(inout) :: fields
+    logical, intent(in) :: is_nlgeom               !< the routine gets current places
+    type(element_kind_type) :: kind
+    real(DP) :: X(3, MAX_FACE_NODES), now(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES)
+    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), n, a
+    kind = element_kind(model%mesh%kind(load%element))
+    call element_nodes(model%mesh, load%element, n, nodes)
+    local = kind%face_nodes(:, load%face)
+    n = count(local > 0)
+    X(:, :n) = model%mesh%coordinates(:, nodes(local(:n)))
+    now(:, :n) = X(:, :n)
+    if (is_nlgeom) now(:, :n) = X(:, :n) + fields%u(:, nodes(local(:n)))
+    call evaluate_utracload(model, load, kind%face_kind(load%face), X(:, :n), now(:, :n), fields, force(:, :n))
+    do a = 1, n
+      fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
+    end do
+  end subroutine add_user_traction
 
 
   !> K = K - (k + k')/2 for a face stiffness k, through the element's own table of positions.

@@ -8,9 +8,9 @@ module amontons_user_routine_setup
   use amontons_user_elements, only: has_uel
   use amontons_user_routines, only: user_library_type, umat_type, open_routines, close_routines, has_routine, &
     collect_user_messages, pass_job_name, uamp_type, call_uamp, call_uexternaldb, LOP_JOB_START, LOP_INCREMENT_START, &
-    LOP_STEP_START, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_FRIC, &
-    ROUTINE_UINTER, ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
-  use amontons_loads, only: amplitude_type
+    LOP_STEP_START, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_UTRACLOAD, &
+    ROUTINE_DISP, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
+  use amontons_loads, only: amplitude_type, DISTRIBUTED_TRACTION
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
   use amontons_user_state, only: find_point_at_rest
@@ -206,8 +206,13 @@ contains
     if (any(model%amplitudes%is_user)) call check_routine(model%routines, path, ROUTINE_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
     do i = 1, size(model%steps)
       if (allocated(error)) return
-      if (any(model%steps(i)%distributed%is_user)) call check_routine(model%routines, path, ROUTINE_DLOAD, 'A load of the user', &
-        error)
+      associate (loads => model%steps(i)%distributed)
+        if (any(loads%is_user .and. loads%kind /= DISTRIBUTED_TRACTION)) call check_routine(model%routines, path, ROUTINE_DLOAD, &
+          'A load of the user', error)
+        if (allocated(error)) return
+        if (any(loads%is_user .and. loads%kind == DISTRIBUTED_TRACTION)) call check_routine(model%routines, path, &
+          ROUTINE_UTRACLOAD, 'A traction of the user', error)
+      end associate
       if (allocated(error)) return
       if (any(model%steps(i)%prescribed%is_user)) call check_routine(model%routines, path, ROUTINE_DISP, '*BOUNDARY, USER', error)
     end do

@@ -499,13 +499,13 @@ contains
       'node, whose prescribed displacement 2 is the pressure; or surface, P, pressure; or ' // &
       'element or element set, GRAV, acceleration, direction x, y, z; CENTRIF, square of the angular velocity, point ' // &
       'x, y, z and direction x, y, z of the axis; BX, BY, BZ or BR, force per volume; without a region the whole model; ' // &
-      'abaqus dialect: TRVECn or TRSHRn, traction on face n, direction x, y, z, as of DSLOAD')
+      'abaqus dialect: TRVECn or TRSHRn, traction on face n, direction x, y, z, as of DSLOAD; with NU by a user routine')
     call describe_distributed(table)
     call table%card('DSLOAD', SCOPE_STEP, 'Pressure on a surface, positive when it pushes into the body; traction, a force per ' &
       // &
       'area of the undeformed surface in a direction that stays.', data= &
       'surface, P, pressure; surface, TRVEC, magnitude, direction x, y, z; surface, TRSHR, magnitude, a direction, ' // &
-      'whose part along each face counts')
+      'whose part along each face counts; PNU, TRVECNU, TRSHRNU: by a user routine')
     call describe_distributed(table)
   end subroutine describe_loads
 

@@ -24,7 +24,7 @@ module amontons_deck_loads
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
   use amontons_mesh, only: mean_face_normal
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, kind_family, FAMILY_AXISYMMETRIC, FAMILY_SOLID, &
     has_faces_in_space
   implicit none
   private
@@ -314,20 +314,21 @@ contains
     is_constant = parameter_word(parameters, 'CONSTANT RESULTANT', 'NO') == 'YES'
     do while (next_row(reader%cards, row))
       label = name_key(field_text(reader%cards, row, 2))
-      if (is_by_user(label) .and. amplitude > 0) call report_error(reader, row%line, &
-        'The routine DLOAD gives the whole pressure; AMPLITUDE must not be given with ' // label // '.')
+      if (is_by_user(label) .and. amplitude > 0) call report_error(reader, row%line, 'The routine ' // trim(merge('UTRACLOAD', &
+        'DLOAD    ', is_traction(label))) // ' gives the whole load; AMPLITUDE must not be given with ' // label // '.')
       if (.not. is_following .and. .not. is_traction(label)) call report_error(reader, row%line, &
         'FOLLOWER=NO is for TRVEC and TRSHR; a pressure follows its face.')
       if (is_shell_load(reader, c, row, label)) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
       else if (label == 'P' .or. label == 'PNU') then
         call read_surface_pressure(reader, model, row, amplitude, active_loads)
-      else if (is_card(reader, c, 'DSLOAD') .and. is_one_of(label, 'TRVEC|TRSHR') .or. (is_card(reader, c, 'DLOAD') .and. &
-          reader%dialect /= DIALECT_CALCULIX .and. is_traction(label))) then
+      else if (is_card(reader, c, 'DSLOAD') .and. is_one_of(strip_nu(label), 'TRVEC|TRSHR') .or. (is_card(reader, c, 'DLOAD') &
+          .and. reader%dialect /= DIALECT_CALCULIX .and. is_traction(label))) then
         call read_traction(reader, model, row, amplitude, is_following .or. .not. is_constant, active_loads)
       else if (is_card(reader, c, 'DSLOAD')) then
         call report_error(reader, row%line, 'The second field must be P, a pressure, PNU, one by the routine DLOAD, TRVEC, a ' // &
-          'force per area in a direction, or TRSHR, its part along the surface; it is ''' // label // '''.')
+          'force per area in a direction, or TRSHR, its part along the surface (with NU: by the routine UTRACLOAD); it is ''' // &
+          label // '''.')
       else if (face_number(strip_nu(label), 'P') > 0) then
         call read_face_pressure(reader, model, row, amplitude, active_loads)
       else if (reader%dialect /= DIALECT_CALCULIX .and. is_one_of(label, 'PX|PY|PZ')) then
@@ -464,18 +465,19 @@ contains
     do i = 1, 3
       call read_real(reader, row, i + 3, 'direction', place%direction(i), is_ok, 0.0_DP)
     end do
-    if (is_one_of(label, 'TRVEC|TRSHR')) then
+    place%is_user = is_by_user(label)
+    if (is_one_of(strip_nu(label), 'TRVEC|TRSHR')) then
       call find_surface_place(reader, model, row, place, is_ok)
     else
       call find_face_place(reader, model, row, label, place, is_ok)
     end if
     if (.not. is_ok) return
-    if (.not. norm2(place%direction) > 0) then
+    if (.not. norm2(place%direction) > 0 .and. .not. place%is_user) then
       call report_error(reader, row%line, 'The direction must not be zero: surface, TRVEC or TRSHR, magnitude, x, y, z.')
       return
     end if
     place%kind = DISTRIBUTED_TRACTION
-    place%direction = place%direction / norm2(place%direction)
+    if (norm2(place%direction) > 0) place%direction = place%direction / norm2(place%direction)
     place%is_follower = is_following
     do i = 1, size(place%elements)
       entry = element_kind(model%mesh%kind(place%elements(i)))
@@ -483,7 +485,12 @@ contains
       call report_error(reader, row%line, 'Plane and axisymmetric elements take no traction out of the plane.')
       return
     end do
-    if (index(label, 'TRSHR') == 1) call project_on_faces(reader, model, row, place, is_ok)
+    if (place%is_user) then
+      place%is_shear = index(label, 'TRSHR') == 1
+      call check_user_traction(reader, model, row, place, is_ok)
+    else if (index(label, 'TRSHR') == 1) then
+      call project_on_faces(reader, model, row, place, is_ok)
+    end if
     if (is_ok) call add_region_load(place, value, amplitude, active_loads)
   end subroutine read_traction
 
@@ -500,6 +507,7 @@ contains
     is_ok = is_ok .and. s > 0
     if (.not. is_ok) return
     place%region = name_key(field_text(reader%cards, row, 1))
+    place%surface = s
     place%elements = model%surfaces(s)%element
     place%faces = model%surfaces(s)%face
   end subroutine find_surface_place
@@ -514,12 +522,11 @@ contains
     type(load_region_type), intent(inout) :: place   !< out: region, elements, faces
     logical, intent(inout) :: is_ok
     type(element_kind_type) :: entry
+    character(:), allocatable :: short
     integer :: face, i
-    if (is_by_user(label)) call report_error(reader, row%line, label // ' takes the traction from the routine UTRACLOAD, which ' &
-      // 'is not supported. Give TRVECn or TRSHRn a magnitude on sets of elements, or a pressure PnNU by the routine DLOAD.')
-    is_ok = is_ok .and. .not. is_by_user(label)
     if (.not. is_ok) return
-    face = face_number(label(5:), label(5:5))
+    short = strip_nu(label)
+    face = face_number(short(5:), short(5:5))
     call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
     if (.not. is_ok) return
     call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
@@ -535,6 +542,26 @@ contains
     place%region = name_key(field_text(reader%cards, row, 1)) // ' ' // label
     place%faces = [(face, i=1, size(place%elements))]
   end subroutine find_face_place
+
+
+  !> Reports faces at which UTRACLOAD is not called: those of plane elements, and of shells, whose solids have other numbers.
+  subroutine check_user_traction(reader, model, row, place, is_ok)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    type(data_row_type), intent(in) :: row
+    type(load_region_type), intent(in) :: place  !< with elements
+    logical, intent(inout) :: is_ok
+    integer :: i
+    do i = 1, size(place%elements)
+      is_ok = is_ok .and. kind_family(model%mesh%kind(place%elements(i))) == FAMILY_SOLID
+      if (allocated(model%structure)) is_ok = is_ok .and. model%structure%section(place%elements(i)) == 0
+      if (is_ok) cycle
+      call report_error(reader, row%line, 'The routine UTRACLOAD is for the faces of solids in space; element ' // &
+        to_text(model%mesh%element_label(place%elements(i))) // ' is none. Write TRVEC or TRSHR with magnitudes on sets of ' // &
+        'faces.')
+      return
+    end do
+  end subroutine check_user_traction
 
 
   !> TRSHR: the unit vectors of a direction projected on the faces, each with its mean normal.
@@ -725,7 +752,7 @@ contains
     type(active_loads_type), intent(inout) :: active_loads
     integer :: i
     call find_or_add_place(active_loads, place, i)
-    call add_load(i, value, amplitude, active_loads%step, active_loads%is_step, active_loads%volumes)
+    call add_load(i, value, amplitude, active_loads%step, active_loads%is_step, active_loads%volumes, place%is_user)
   end subroutine add_region_load
 
 

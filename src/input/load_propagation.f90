@@ -59,6 +59,9 @@ module amontons_load_propagation
     integer, allocatable :: elements(:)
     integer, allocatable :: faces(:)             !< of a traction
     logical :: is_follower = .false.            !< default for a traction: rotates with its face, per current area
+    logical :: is_user = .false.                 !< UTRACLOAD gives the traction
+    logical :: is_shear = .false.                !< it acts along the faces; of UTRACLOAD
+    integer :: surface = 0                       !< of UTRACLOAD; 0: on elements
     real(DP) :: direction(3) = 0                 !< unit vector
     real(DP), allocatable :: face_directions(:, :)   !< (3, faces) unit vectors of a shear traction
     real(DP) :: point(3) = 0                     !< of the axis of spin [length]
@@ -391,6 +394,7 @@ contains
   pure logical function is_same_region(a, b)
     type(load_region_type), intent(in) :: a, b
     is_same_region = a%kind == b%kind .and. a%region == b%region .and. (a%is_follower .eqv. b%is_follower) &
+      .and. (a%is_user .eqv. b%is_user) .and. (a%is_shear .eqv. b%is_shear) &
       .and. (allocated(a%face_directions) .eqv. allocated(b%face_directions)) &
       .and. all(abs(a%direction - b%direction) < 1.0e-12_DP) .and. .not. any(abs(a%point - b%point) > 0)
   end function is_same_region
@@ -460,6 +464,8 @@ contains
           distributed(n)%element = place%elements(k)
           if (allocated(place%faces)) distributed(n)%face = place%faces(k)
           distributed(n)%is_follower = place%is_follower
+          distributed(n)%is_shear = place%is_shear
+          distributed(n)%surface = place%surface
           distributed(n)%direction = place%direction
           if (allocated(place%face_directions)) distributed(n)%direction = place%face_directions(:, k)
           distributed(n)%point = place%point

@@ -46,7 +46,7 @@ module amontons_loads
     real(DP) :: start = 0                        !< magnitude at the start of the step
     real(DP) :: end = 0                          !< magnitude at its end, or the reference magnitude of the amplitude
     integer :: amplitude = 0                     !< index into model%amplitudes; 0: none
-    logical :: is_user = .false.                 !< DLOAD or DISP gives the magnitude
+    logical :: is_user = .false.                 !< DLOAD, UTRACLOAD or DISP gives the magnitude
   end type load_type
 
   !> A prescribed displacement of one degree of freedom. A dof appears once in a step.
@@ -77,6 +77,8 @@ module amontons_loads
     integer :: face = 0                          !< face number, of pressure and traction only
     real(DP) :: direction(3) = 0                 !< unit vector: of gravity, body forces and traction, or the axis of rotation
     logical :: is_follower = .false.            !< a traction defined to rotate with its face, which matters under NLGEOM
+    logical :: is_shear = .false.                !< a traction by UTRACLOAD: its part along the face
+    integer :: surface = 0                       !< of a traction by UTRACLOAD; 0: it was given on elements
     real(DP) :: point(3) = 0                     !< a point of the axis of rotation [length]
     integer :: node = 0                          !< whose prescribed displacement 2 the pressure is; 0: none
   end type distributed_type

@@ -160,6 +160,49 @@ void amontons_user_dload(void *handle, double *f, const double *time, const doub
   *is_taken = !self->is_stopped;
 }
 
+typedef void utracload_routine(double *alpha, double *t_user, const int *kstep, const int *kinc, const double *time,
+                               const int *noel, const int *npt, const double *coords, const double *dircos, const int *jltyp,
+                               const char *sname, size_t n_sname);
+
+/* JLTYP / 10 of shear tractions. */
+enum { SHEAR_TRACTIONS = 51 };
+
+/* Ends the job where a magnitude has no direction, or a shear traction none along the face. */
+static void check_direction(routines *self, double alpha, const double *t_user, const double *normal, int jltyp)
+{
+  static const char text[] = "*ERROR: UTRACLOAD gives a magnitude without a direction: T_USER is zero, or normal to a face under "
+                             "shear.\n";
+  const double smallest = 1e-6;   /* part along the face of a unit vector */
+  double along[3], size = 0, part = 0;
+  const double across = t_user[0] * normal[0] + t_user[1] * normal[1] + t_user[2] * normal[2];
+  for (int i = 0; i < 3; i++) {
+    along[i] = t_user[i] - (jltyp / 10 == SHEAR_TRACTIONS ? across * normal[i] : 0);
+    size += t_user[i] * t_user[i];
+    part += along[i] * along[i];
+  }
+  if (alpha == 0 || (size > 0 && sqrt(part) >= smallest * sqrt(size))) return;
+  if ((size_t)self->n_text + sizeof text <= TEXT_CAPACITY) {
+    memcpy(self->text + self->n_text, text, sizeof text - 1);
+    self->n_text += (int)sizeof text - 1;
+  }
+  self->is_stopped = XIT_CALLED;
+}
+
+/* UTRACLOAD: magnitude and direction of a traction at a point of a face. `counts` as of DLOAD; `dircos`: its axes, the third is
+ * the inward normal. */
+void amontons_user_utracload(void *handle, double *alpha, double *t_user, const double *time, const double *coords,
+                             const double *dircos, const char *sname, const int *counts, int *is_taken)
+{
+  routines *self = handle;
+  utracload_routine *utracload = (utracload_routine *)(uintptr_t)self->routine[UTRACLOAD];
+  const call_place where = {UTRACLOAD, counts[2], counts[3], 0, counts[0], counts[1]};
+  CALL(self, where,
+       (utracload(alpha, t_user, &counts[0], &counts[1], time, &counts[2], &counts[3], coords, dircos, &counts[4], sname,
+                  NAME_LENGTH),
+        check_direction(self, *alpha, t_user, dircos + 6, counts[4])));
+  *is_taken = !self->is_stopped;
+}
+
 typedef void disp_routine(double *u, const int *kstep, const int *kinc, const double *time, const int *node, const int *noel,
                           const int *jdof, const double *coords);
 

@@ -1,4 +1,4 @@
-!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD, UEXTERNALDB) and
+!> Shared libraries with user subroutines (UMAT, FRIC, UINTER, DLOAD, UTRACLOAD, DISP, UAMP, SDVINI, UEL, ...) and
 !! their calls.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
@@ -14,16 +14,16 @@ module amontons_user_routines
   public :: user_library_type, umat_type, uamp_type, open_routines, close_routines, has_routine, collect_user_messages, &
     pass_job_name
   public :: fric_type, uinter_type, call_fric, call_uinter, uel_type, call_uel, usdfld_type, call_usdfld
-  public :: call_umat, call_sdvini, call_dload, call_disp, call_uamp, call_uexternaldb
+  public :: call_umat, call_sdvini, call_dload, call_utracload, call_disp, call_uamp, call_uexternaldb
   public :: LOP_JOB_START, LOP_INCREMENT_START, LOP_INCREMENT_END, LOP_JOB_END, LOP_RESTART, LOP_STEP_START, LOP_STEP_END
   public :: ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_UEL, &
-    ROUTINE_USDFLD, ROUTINE_UEXTERNALDB, ROUTINE_NAMES, USER_NAME_LENGTH
+    ROUTINE_USDFLD, ROUTINE_UEXTERNALDB, ROUTINE_UTRACLOAD, ROUTINE_NAMES, USER_NAME_LENGTH
 
   integer, parameter :: ROUTINE_UMAT = 0, ROUTINE_FRIC = 1, ROUTINE_UINTER = 2, ROUTINE_DLOAD = 3, ROUTINE_DISP = 4, &
     ROUTINE_UAMP = 5, &
-    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7, ROUTINE_USDFLD = 8, ROUTINE_UEXTERNALDB = 9
-  character(11), parameter :: ROUTINE_NAMES(0:9) = [character(11) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
-    'SDVINI', 'UEL', 'USDFLD', 'UEXTERNALDB']
+    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7, ROUTINE_USDFLD = 8, ROUTINE_UEXTERNALDB = 9, ROUTINE_UTRACLOAD = 10
+  character(11), parameter :: ROUTINE_NAMES(0:10) = [character(11) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
+    'SDVINI', 'UEL', 'USDFLD', 'UEXTERNALDB', 'UTRACLOAD']
 
   ! LOP of UEXTERNALDB: when it is called.
   integer, parameter :: LOP_JOB_START = 0, LOP_INCREMENT_START = 1, LOP_INCREMENT_END = 2, LOP_JOB_END = 3, LOP_RESTART = 4, &
@@ -236,6 +236,17 @@ module amontons_user_routines
       integer(c_int), intent(out) :: is_taken
     end subroutine dload_c
 
+    pure subroutine utracload_c(handle, alpha, t_user, time, coords, dircos, sname, counts, is_taken) &
+      bind(C, name='amontons_user_utracload')
+      import :: c_char, c_double, c_int, c_ptr
+      type(c_ptr), value :: handle
+      real(c_double), intent(inout) :: alpha, t_user(*)
+      real(c_double), intent(in) :: time(*), coords(*), dircos(*)
+      character(kind=c_char), intent(in) :: sname(*)
+      integer(c_int), intent(in) :: counts(*)
+      integer(c_int), intent(out) :: is_taken
+    end subroutine utracload_c
+
     pure subroutine disp_c(handle, u, time, coords, counts, is_taken) bind(C, name='amontons_user_disp')
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: handle
@@ -278,7 +289,7 @@ contains
       call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // text_before_null(message) // '.')
     case (LIBRARY_NO_ROUTINE)
       call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD, ' // &
-        'UEXTERNALDB (as umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
+        'UEXTERNALDB, UTRACLOAD (as umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
     case default
       call set_error(error, EXIT_SOLVER, who // 'cannot be opened: there is no memory.')
     end select
@@ -377,6 +388,22 @@ contains
     call dload_c(routines%handle, magnitude, time, coordinates, name, counts, taken)
     is_taken = taken /= 0
   end subroutine call_dload
+
+
+  !> Calls UTRACLOAD. A magnitude without a direction ends the job.
+  pure subroutine call_utracload(routines, magnitude, direction, time, places, name, counts, is_taken)
+    type(user_library_type), intent(in) :: routines
+    real(DP), intent(inout) :: magnitude           !< ALPHA [stress]
+    real(DP), intent(inout) :: direction(3)        !< T_USER, of any length
+    real(DP), intent(in) :: time(2)                !< step, total, at the end of the increment [time]
+    real(DP), intent(in) :: places(3, 4)           !< COORDS of the point, current configuration [length]; DIRCOS
+    character(USER_NAME_LENGTH), intent(in) :: name       !< SNAME
+    integer, intent(in) :: counts(5)               !< step, increment, NOEL, NPT, JLTYP
+    logical, intent(out) :: is_taken
+    integer(c_int) :: taken
+    call utracload_c(routines%handle, magnitude, direction, time, places(:, 1), places(:, 2:), name, counts, taken)
+    is_taken = taken /= 0
+  end subroutine call_utracload
 
 
   !> Calls DISP.

@@ -1,4 +1,4 @@
-!> Data passed to user routines at element level (UMAT, USDFLD, SDVINI, DLOAD, DISP) and stored from them.
+!> Data passed to user routines at element level (UMAT, USDFLD, SDVINI, DLOAD, UTRACLOAD, DISP) and stored from them.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_user_state
   use amontons_kinds, only: DP
@@ -13,14 +13,14 @@ module amontons_user_state
   use amontons_state, only: state_type, fields_type, commit_fields, rotate_stress_to_frame
   use amontons_element_kinds, only: element_kind, element_kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
     FAMILY_PLANE_STRESS, FAMILY_MEMBRANE, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
-  use amontons_user_routines, only: call_dload, call_disp, call_sdvini, call_usdfld, usdfld_type, umat_type, &
+  use amontons_user_routines, only: call_dload, call_utracload, call_disp, call_sdvini, call_usdfld, usdfld_type, umat_type, &
     user_library_type, &
     USER_NAME_LENGTH
-  use amontons_tensor, only: IDENTITY
+  use amontons_tensor, only: IDENTITY, cross_product
   implicit none
   private
   public :: max_stress_components, find_point_at_rest, initialize_state_variables, load_umat_points, store_umat_points
-  public :: evaluate_dload, evaluate_disp
+  public :: evaluate_dload, evaluate_utracload, evaluate_disp
   public :: update_user_fields, load_user_fields, has_invalid_fields
 
 contains
@@ -329,6 +329,48 @@ contains
         [fields%step, fields%increment, model%mesh%element_label(load%element), p, JLTYP_BASE + load%face], is_accepted)
     end do
   end subroutine evaluate_dload
+
+
+  !> The nodal forces of a traction by UTRACLOAD on a face, per reference area. JLTYP is 510 + n of TRSHRnNU, 520 + n of TRVECnNU,
+  !! 510 and 520 on a surface, whose name is SNAME. DIRCOS: the reference face's first tangent, inward normal x it, inward normal.
+  pure subroutine evaluate_utracload(model, load, facet_kind, X, now, fields, force)
+    type(model_type), intent(in) :: model
+    type(distributed_type), intent(in) :: load
+    integer, intent(in) :: facet_kind              !< FACET_...
+    real(DP), intent(in) :: X(:, :)                !< (3, nodes) of the face, undeformed [length]
+    real(DP), intent(in) :: now(:, :)              !< (3, nodes) where COORDS counts: current under NLGEOM [length]
+    type(fields_type), intent(in) :: fields        !< times, numbers
+    real(DP), intent(out) :: force(:, :)           !< (3, nodes) [force]
+    integer, parameter :: JLTYP_SHEAR = 510, JLTYP_GENERAL = 520
+    real(DP) :: xi(2, MAX_FACET_POINTS), w(MAX_FACET_POINTS), N(MAX_FACE_NODES), dN(2, MAX_FACE_NODES), &
+      ddN(3, MAX_FACE_NODES), tangent(3), area(3), axes(3, 3), direction(3), magnitude
+    character(USER_NAME_LENGTH) :: name
+    integer :: n_rule, p, a, m
+    logical :: is_accepted
+    m = size(X, 2)
+    name = ''
+    if (load%surface > 0) name = model%surfaces(load%surface)%name
+    call facet_quadrature(facet_kind, n_rule, xi, w)
+    force = 0
+    do p = 1, n_rule
+      call facet_shapes(facet_kind, xi(:, p), N, dN, ddN)
+      tangent = matmul(X, dN(1, :m))
+      area = cross_product(tangent, matmul(X, dN(2, :m)))   ! outward
+      axes(:, 1) = tangent / norm2(tangent)
+      axes(:, 3) = -area / norm2(area)
+      axes(:, 2) = cross_product(axes(:, 3), axes(:, 1))
+      magnitude = load%end
+      direction = load%direction
+      call call_utracload(model%routines, magnitude, direction, [fields%step_time, fields%total_time], reshape([matmul(now, &
+        N(:m)), axes], [3, 4]), name, [fields%step, fields%increment, model%mesh%element_label(load%element), p, &
+        merge(JLTYP_SHEAR, JLTYP_GENERAL, load%is_shear) + merge(0, load%face, load%surface > 0)], is_accepted)
+      if (.not. is_accepted .or. .not. abs(magnitude) > 0) cycle
+      if (load%is_shear) direction = direction - dot_product(direction, axes(:, 3)) * axes(:, 3)
+      do a = 1, m
+        force(:, a) = force(:, a) + w(p) * norm2(area) * N(a) * magnitude * direction / norm2(direction)
+      end do
+    end do
+  end subroutine evaluate_utracload
 
 
   !> The displacement prescribed by DISP.

@@ -20,7 +20,7 @@ from verify.library.common import ROOT, same_results
 from verify.readers.sta_cvg_files import read_cvg
 
 ROUTINES = ROOT / "verify" / "library" / "routines"
-USAGE, SETUP, NOT_CONVERGED, IO = 2, 4, 5, 7
+USAGE, INPUT, SETUP, NOT_CONVERGED, IO = 2, 3, 4, 5, 7
 
 PLASTIC = "*ELASTIC\n210000., 0.3\n*PLASTIC\n200., 0.\n2200., 1.\n"
 J2 = "*USER MATERIAL, CONSTANTS=4\n210000., 0.3, 200., 2000.\n*DEPVAR\n1\n1, PEEQ, equivalent plastic strain\n"
@@ -849,6 +849,80 @@ def test_dload_of_one_value_is_a_pressure(run: Run, tmp_path: Path) -> None:
     ours, theirs = run_two(run, tmp_path, loaded_deck("*DLOAD\nUPPER, P2, 50.", nlgeom=True),
                            loaded_deck("*DLOAD\nUPPER, P2NU", nlgeom=True), source)  # fmt: skip
     assert_equal(ours, theirs, 1e-12)
+
+
+TRACTION = """subroutine utracload(alpha, t_user, kstep, kinc, time, noel, npt, coords, dircos, jltyp, sname)
+  include 'aba_param.inc'
+  dimension t_user(3), time(2), coords(3), dircos(3, 3)
+  character(80) :: sname
+  {}
+end subroutine utracload
+"""
+
+
+@pytest.mark.parametrize(("card", "jltyp", "name", "force"), [
+    ("*DSLOAD\nLID, TRVECNU", 520, "LID", (0.6, 0.0, 0.8)), ("*DLOAD\nUPPER, TRVEC2NU", 522, "", (0.6, 0.0, 0.8)),
+    ("*DSLOAD\nLID, TRSHRNU", 510, "LID", (1.0, 0.0, 0.0)), ("*DLOAD\nUPPER, TRSHR2NU", 512, "", (1.0, 0.0, 0.0)),
+])  # fmt: skip
+def test_utracload_gives_the_forces_of_its_traction(run: Run, tmp_path: Path, card: str, jltyp: int, name: str, force: tuple[float, ...]) -> None:
+    """A traction linear in the place, along (3, 0, 4) or its part in the plane z = 1: force 10 + 4/2 - 2/2 = 11 per unit area, moments about the origin
+    from the second moments. JLTYP, SNAME and DIRCOS (the normal inward) are right, else the routine ends the job."""
+    (tmp_path / "mine.f90").write_text(TRACTION.format(f"""if (jltyp /= {jltyp} .or. sname /= '{name}' .or. noel < 5 .or. npt > 4) call xit
+  if (abs(dircos(3, 3) + 1) > 1d-12 .or. abs(dircos(1, 1) * dircos(2, 2) - dircos(1, 2) * dircos(2, 1) + 1) > 1d-12) call xit
+  alpha = time(1) * (10 + 4 * coords(1) - 2 * coords(2))
+  t_user = [6d0, 0d0, 8d0]"""))
+    (tmp_path / "job.inp").write_text(loaded_deck(card))
+    done = run(["job", "user=mine.f90"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        history = file["AMONTONS/history"]
+        n = int(file["VTKHDF/NumberOfPoints"][0])
+        applied, times = history["applied_force"][:], history["step_time"][:].ravel()
+        reaction = file["VTKHDF/PointData/RF"][-n:]
+        points = file["VTKHDF/Points"][:]
+    assert applied == pytest.approx(np.outer(times, 11 * np.array(force)), abs=1e-12)
+    x, y = 10 / 2 + 4 / 3 - 2 / 4, 10 / 2 + 4 / 4 - 2 / 3  # integrals of x and y times the magnitude; z = 1
+    moment = np.array([y * force[2] - 11 * force[1], 11 * force[0] - x * force[2], x * force[1] - y * force[0]])
+    assert np.cross(points, reaction).sum(axis=0) == pytest.approx(-moment, abs=1e-6)
+
+
+@pytest.mark.parametrize(("ours", "theirs"), [("LID, TRVECNU, 5., 1., 2., 3.", "LID, TRVEC, 5., 1., 2., 3."), ("LID, TRSHRNU, 5., 1., 2., 3.", "LID, TRSHR, 5., 1., 2., 3.")])
+def test_utracload_gets_the_card(run: Run, tmp_path: Path, ours: str, theirs: str) -> None:
+    """Magnitude and direction of the card enter: a routine that ramps the one and keeps the other gives the load without NU, under NLGEOM."""
+    (tmp_path / "mine.f90").write_text(TRACTION.format("alpha = time(1) * alpha"))
+    card = "*DSLOAD, FOLLOWER=NO, CONSTANT RESULTANT=YES\n"
+    one, other = run_two(run, tmp_path, loaded_deck(card + theirs, nlgeom=True), loaded_deck(card + ours, nlgeom=True), tmp_path / "mine.f90")
+    assert_equal(one, other, 1e-10)
+
+
+@pytest.mark.parametrize(("card", "body", "code", "says"), [
+    ("*DSLOAD\nLID, TRVECNU, 1.", "", NOT_CONVERGED, "UTRACLOAD gives a magnitude without a direction"),
+    ("*DSLOAD\nLID, TRSHRNU, 1.", "t_user = [0, 0, 2]", NOT_CONVERGED, "or normal to a face under shear"),
+    ("*DSLOAD\nLID, TRVECNU, 1., 1.", None, SETUP, "needs the user routine UTRACLOAD"),
+    ("*DSLOAD, AMPLITUDE=A\nLID, TRVECNU, 1., 1.", "", INPUT, "The routine UTRACLOAD gives the whole load"),
+    ("*DLOAD\nUPPER, TRVEC7NU, 1., 1.", "", INPUT, "takes no load TRVEC7NU"),
+])  # fmt: skip
+def test_utracload_is_refused(run: Run, tmp_path: Path, card: str, body: str | None, code: int, says: str) -> None:
+    """No direction, no routine, an amplitude, no face."""
+    other = "subroutine dload(f)\n  real(8) :: f\n  f = 0\nend subroutine dload\n"
+    (tmp_path / "mine.f90").write_text(other if body is None else TRACTION.format(body))
+    (tmp_path / "job.inp").write_text(loaded_deck(card, before="*AMPLITUDE, NAME=A\n0., 0., 1., 1."))
+    done = run(["job", "user=mine.f90"], cwd=tmp_path)
+    assert (done.returncode, says in " ".join((done.stdout + done.stderr).split())) == (code, True), done.stdout + done.stderr
+
+
+def test_utracload_of_the_manual(run: Run, tmp_path: Path) -> None:
+    """A shear traction of 30 x along a bar of length 2 and width 1: the held end bears 60."""
+    page = (ROOT / "doc" / "manual" / "user_routines.md").read_text()
+    deck = page.split("```abaqus-utracload\n")[1].split("```")[0]
+    routine = page[: page.index("```abaqus-utracload")].rsplit("```fortran\n", 1)[1].split("```")[0]
+    (tmp_path / "mine.f90").write_text(routine)
+    (tmp_path / "job.inp").write_text(deck)
+    done = run(["job", "user=mine.f90"], cwd=tmp_path)
+    assert done.returncode == 0, done.stdout
+    with h5py.File(tmp_path / "job.vtkhdf") as file:
+        n = int(file["VTKHDF/NumberOfPoints"][0])
+        assert file["VTKHDF/PointData/RF"][-n:].sum(axis=0) == pytest.approx([-60, 0, 0], abs=1e-9)
 
 
 def test_disp_prescribes(run: Run, tmp_path: Path) -> None:

@@ -114,6 +114,16 @@ contains
       all(model%steps(1)%distributed%face == [2, 1]))
     call read_step('*DLOAD;1,P3NU,3.;')
     call suite%that('by DLOAD', model%steps(1)%distributed(1)%is_user .and. model%steps(1)%distributed(1)%face == 3)
+    call read_step('*DLOAD;1,TRVEC3NU,3.;1,TRSHR3NU,2.,0,0,5;')
+    associate (d => model%steps(1)%distributed)
+      call suite%that('by UTRACLOAD', size(d) == 2 .and. all(d%kind == DISTRIBUTED_TRACTION) .and. all(d%is_user) .and. &
+        all(d%face == 3) .and. all(d%surface == 0) .and. (d(1)%is_shear .neqv. d(2)%is_shear))
+      call suite%near('its direction, not projected', norm2(d(1)%direction + d(2)%direction - [0.0_DP, 0.0_DP, 1.0_DP]), 0.0_DP, &
+        0.0_DP)
+    end associate
+    call read_step('*DSLOAD;UP,TRVECNU;')
+    call suite%that('by UTRACLOAD on a surface', all(model%steps(1)%distributed%is_user) .and. &
+      all(model%steps(1)%distributed%surface > 0))
     call read_step('*DLOAD;2,TRVEC1,5.,0,3,4;2,TRSHR2,1.,0,1,0;')
     associate (d => model%steps(1)%distributed)
       call suite%that('traction on faces of elements', size(d) == 2 .and. all(d%kind == DISTRIBUTED_TRACTION) .and. &
@@ -169,7 +179,8 @@ contains
     call expect('*DLOAD;E,PRESS,1.;', 'it is ''PRESS''')
     call expect('*DSLOAD;UP,P1,1.;', 'TRVEC, a force')
     call expect('*DSLOAD;E,P,1.;', 'is a set of elements')
-    call expect('*DLOAD;1,TRVEC1NU,1.,0,0,1;', 'from the routine UTRACLOAD')
+    call expect('*DLOAD;A,TRVEC1NU,1.,0,1,0;', 'UTRACLOAD is for the faces of solids')
+    call expect('*DLOAD, AMPLITUDE=R;1,TRVEC1NU,1.,0,1,0;', 'The routine UTRACLOAD gives the whole load')
     call expect('*DLOAD;1,TRVEC7,1.,0,0,1;', 'takes no load TRVEC7')
     call expect('*DSLOAD;NIX,P,1.;', 'no surface ''NIX''')
     call expect('*DSLOAD;DOTS,P,1.;', 'made of nodes')

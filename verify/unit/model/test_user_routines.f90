@@ -4,7 +4,8 @@ program test_user_routines
   use amontons_errors, only: error_type, EXIT_IO, EXIT_SETUP
   use amontons_kinds, only: DP
   use amontons_user_routines, only: user_library_type, uamp_type, fric_type, uinter_type, open_routines, close_routines, &
-    has_routine, collect_user_messages, pass_job_name, call_sdvini, call_dload, call_disp, call_uamp, call_fric, call_uinter, &
+    has_routine, collect_user_messages, pass_job_name, call_sdvini, call_dload, call_utracload, call_disp, call_uamp, &
+    call_fric, call_uinter, &
     ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_NAMES, &
     USER_NAME_LENGTH
   use check, only: suite_type
@@ -45,7 +46,7 @@ contains
 
   !> DLOAD, DISP and SDVINI: arguments in their places.
   subroutine check_loads()
-    real(DP) :: value, statev(2)
+    real(DP) :: value, statev(2), direction(3)
     logical :: is_taken
     character(USER_NAME_LENGTH) :: name
     name = ''
@@ -53,6 +54,13 @@ contains
     call call_dload(routines, value, [0.5_DP, 9.0_DP], [1.0_DP, 2.0_DP, 3.0_DP], name, [1, 2, 7, 4, 23], is_taken)
     call suite%near('DLOAD', value, 1.0_DP + 20.0_DP + 400.0_DP + 3000.0_DP + 0.5_DP, 0.0_DP)
     call suite%that('taken', is_taken)
+    value = 5
+    direction = [1.0_DP, 0.0_DP, 0.0_DP]
+    call call_utracload(routines, value, direction, [0.5_DP, 9.0_DP], reshape([real(DP) :: 1, 2, 3, 1, 0, 0, 0, 1, 0, 0, 0, 1], &
+      [3, 4]), name, [1, 2, 7, 4, 523], is_taken)
+    call suite%near('UTRACLOAD', value, 5.0_DP + 1.0_DP + 20.0_DP + 400.0_DP + 3000.0_DP + 0.5_DP + 7.0_DP, 0.0_DP)
+    call suite%near('its direction', norm2(direction - [1.0_DP, 0.0_DP, 2.0_DP]), 0.0_DP, 0.0_DP)
+    call suite%that('its traction is taken', is_taken)
     call call_disp(routines, value, [0.5_DP, 9.0_DP, 0.25_DP], [4.0_DP, 2.0_DP, 3.0_DP], [1, 2, 7, 3], is_taken)
     call suite%near('DISP', value, 9.0_DP + 70.0_DP + 300.0_DP + 4.0_DP, 0.0_DP)
     call call_sdvini(routines, statev, [1.5_DP, 2.0_DP, 3.0_DP], 7, 4, is_taken)

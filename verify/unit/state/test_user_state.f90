@@ -11,9 +11,9 @@ program test_user_state
   use amontons_state, only: state_type, slave_state_type, create_state, create_material_state
   use amontons_element_kinds, only: KIND_C3D8, KIND_CPE4, KIND_CPS4, KIND_T3D2, FACET_QUAD4
   use amontons_tensor, only: IDENTITY
-  use amontons_user_routines, only: umat_type, open_routines, close_routines
+  use amontons_user_routines, only: umat_type, open_routines, close_routines, collect_user_messages
   use amontons_user_state, only: max_stress_components, find_point_at_rest, initialize_state_variables, load_umat_points, &
-    store_umat_points, evaluate_dload, evaluate_disp, update_user_fields, load_user_fields, has_invalid_fields
+    store_umat_points, evaluate_dload, evaluate_utracload, evaluate_disp, update_user_fields, load_user_fields, has_invalid_fields
   use check, only: suite_type
   implicit none
   real(DP), parameter :: TOL = 1.0e-13_DP, NEAR = 1 - 1 / sqrt(3.0_DP)   ! place of the first point of two on [0, 2]
@@ -211,7 +211,9 @@ contains
     type(distributed_type) :: load
     type(prescribed_type) :: support
     real(DP), allocatable :: pressures(:)
-    real(DP) :: value
+    real(DP) :: value, force(3, 4), area, smallest
+    character(:), allocatable :: text
+    logical :: is_stopped, has_crashed
     load%element = 1
     load%face = 2
     state%new%step_time = 0.25_DP
@@ -220,6 +222,14 @@ contains
     call suite%that('four points', size(pressures) == 4)
     ! mean over the face of x + 10 y + 1000 (JLTYP - 20) + time, JLTYP of face 2 being 22; NPT counts them
     call suite%near('mean', sum(pressures) / 4, 11.0_DP + 250.0_DP + 2000.0_DP + 0.25_DP, 1.0e-11_DP)
+    ! 2 along the inward normal (0 0 -1) beside 1 along x: T_USER has the length sqrt(5); ALPHA of face 2 in the mean, NOEL is 7
+    load%direction = [1.0_DP, 0.0_DP, 0.0_DP]
+    call collect_user_messages(model%routines, smallest, text, is_stopped, has_crashed)   ! of calls before
+    call evaluate_utracload(model, load, FACET_QUAD4, model%mesh%coordinates(:, 5:8), model%mesh%coordinates(:, 5:8), state%new, &
+      force)
+    area = face_area(model%mesh%coordinates(:, 5:8))
+    call suite%near('traction', norm2(sum(force, dim=2) - area * (sum(pressures) / 4 + 7) * [1.0_DP, 0.0_DP, -2.0_DP] / &
+      sqrt(5.0_DP)), 0.0_DP, 1.0e-9_DP)
     support%node = 7
     support%dof = 3
     value = 5
@@ -231,5 +241,12 @@ contains
     call evaluate_disp(model, support, state%new, value)
     call suite%near('time, label, direction, current place', value, 1.25_DP + 700.0_DP + 300.0_DP + 2.5_DP, TOL)
   end subroutine check_loads
+
+
+  !> The area of a parallelogram.
+  pure real(DP) function face_area(x)
+    real(DP), intent(in) :: x(:, :)
+    face_area = norm2(x(:, 2) - x(:, 1)) * norm2(x(:, 4) - x(:, 1))
+  end function face_area
 
 end program test_user_state
