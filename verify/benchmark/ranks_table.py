@@ -1,6 +1,6 @@
 """Iterations, halo and messages of the iteration on two levels over the ranks: tables in Markdown.
 
-    python -m verify.benchmark.ranks_table [--fixed 26] [--ranks 1 2 4 16 64] [--weak 10] [--weak-ranks 1 2 4 8 16]
+    python -m verify.benchmark.ranks_table [--fixed 36] [--ranks 1 2 4 16 64] [--weak 10] [--weak-ranks 1 2 4 8 16]
     python -m verify.benchmark.ranks_table --speed linear plastic [--edge 54]
     python -m verify.benchmark.ranks_table --shares [--ranks 1 2 4] [--edge 54]
     python -m verify.benchmark.ranks_table --estimates 24 54 [--ranks 2 4]
@@ -158,7 +158,7 @@ def compare_plates(folder: Path, size: int, ranks: Sequence[int]) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--fixed", type=int, default=26)
+    parser.add_argument("--fixed", type=int, default=36)
     parser.add_argument("--ranks", nargs="*", type=int, default=[1, 2, 4, 16, 64])
     parser.add_argument("--weak", type=int, default=10)
     parser.add_argument("--weak-ranks", nargs="*", type=int, default=[1, 2, 4, 8, 16])
