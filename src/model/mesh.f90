@@ -61,12 +61,14 @@ contains
   subroutine finalize_mesh(mesh)
     type(mesh_type), intent(inout) :: mesh   !< with n_elements, kind(:), first(:) and nodes(:) set
     type(element_kind_type) :: entry
-    integer :: e
+    integer :: e, kind
     if (allocated(mesh%point_first)) deallocate (mesh%point_first)
     allocate (mesh%point_first(mesh%n_elements + 1))
     mesh%point_first(1) = 1
+    kind = 0
     do e = 1, mesh%n_elements
-      entry = element_kind(mesh%kind(e))
+      if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
+      kind = mesh%kind(e)
       mesh%point_first(e + 1) = mesh%point_first(e) + entry%n_points
     end do
     mesh%n_points = mesh%point_first(mesh%n_elements + 1) - 1

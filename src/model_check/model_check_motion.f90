@@ -12,7 +12,7 @@ module amontons_model_check_motion
   use amontons_text, only: to_text
   use amontons_containers, only: integer_list_type
   use amontons_tensor, only: cross_product
-  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
+  use amontons_element_kinds, only: element_kind, element_kind_type, kind_family, KIND_T3D2, KIND_SPRING1, FAMILY_AXISYMMETRIC
   use amontons_null_space, only: find_null_space
   use amontons_column_singletons, only: solve_column_singletons
   use amontons_surfaces, only: BEHAVIOR_USER
@@ -370,14 +370,15 @@ contains
         end do
       end do
       do e = 1, mesh%n_elements
-        entry = element_kind(mesh%kind(e))
-        do i = mesh%first(e), mesh%first(e + 1) - 1
-          if (entry%family == FAMILY_AXISYMMETRIC) call constrain_dof(mesh%nodes(i), 1)
-          if (mesh%kind(e) /= KIND_SPRING1) cycle
-          do k = 1, 3                              ! 0: its direction is not a coordinate axis
-            if (mesh%directions(1, e) == k .or. mesh%directions(1, e) == 0) call constrain_dof(mesh%nodes(i), k)
+        if (kind_family(mesh%kind(e)) == FAMILY_AXISYMMETRIC) then
+          do i = mesh%first(e), mesh%first(e + 1) - 1
+            call constrain_dof(mesh%nodes(i), 1)
           end do
-        end do
+        else if (mesh%kind(e) == KIND_SPRING1) then
+          do k = 1, 3                              ! 0: its direction is not a coordinate axis
+            if (mesh%directions(1, e) == k .or. mesh%directions(1, e) == 0) call constrain_dof(mesh%nodes(mesh%first(e)), k)
+          end do
+        end if
       end do
       if (.not. allocated(model%foundations)) return
       do i = 1, size(model%foundations)

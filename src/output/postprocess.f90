@@ -15,7 +15,7 @@
 module amontons_postprocess
   use amontons_kinds, only: DP, PI
   use amontons_beam_rules, only: is_beam_kind, interpolate_printed_points, MAX_PRINTED_POINTS
-  use amontons_element_kinds, only: element_kind, facet_kind, facet_kind_type, element_kind_type, is_one_point, &
+  use amontons_element_kinds, only: element_kind, kind_family, facet_kind, facet_kind_type, element_kind_type, is_one_point, &
     FAMILY_AXISYMMETRIC, MAX_ELEMENT_AMPLITUDES, &
     FAMILY_MEMBRANE, FAMILY_SPRING, has_faces_in_space, KIND_C3D6, KIND_C3D8, &
     KIND_C3D8_FULL, KIND_C3D8I, KIND_C3D10, KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, &
@@ -527,17 +527,8 @@ contains
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e
     is_axisymmetric = .false.
-    if (mesh%kind(e) > 0) is_axisymmetric = family_of(mesh%kind(e)) == FAMILY_AXISYMMETRIC
+    if (mesh%kind(e) > 0) is_axisymmetric = kind_family(mesh%kind(e)) == FAMILY_AXISYMMETRIC
   end function is_axisymmetric
-
-
-  !> The family of a kind.
-  pure integer function family_of(kind) result(family)
-    integer, intent(in) :: kind
-    associate (entry => element_kind(kind))
-      family = entry%family
-    end associate
-  end function family_of
 
 
   !> The radial forces of the hoop stress on the nodes of an element: sum of N_a/x tau V. Of finite strain Kirchhoff's

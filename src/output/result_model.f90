@@ -62,10 +62,12 @@ contains
     type(element_kind_type) :: entry
     real(DP), allocatable :: points(:, :)
     integer, allocatable :: nodes(:), first(:), vtk_type(:)
-    integer :: e
+    integer :: e, kind
     allocate (vtk_type(mesh%n_elements))
+    kind = 0
     do e = 1, mesh%n_elements
-      entry = element_kind(mesh%kind(e))
+      if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
+      kind = mesh%kind(e)
       vtk_type(e) = entry%vtk_type
     end do
     vtk_type = [vtk_type, drawn%vtk_type]
@@ -170,9 +172,11 @@ contains
     character(*), parameter :: ROOT = '/AMONTONS/mesh/'
     type(element_kind_type) :: entry
     character(len(entry%name)) :: kind_name(mesh%n_elements)
-    integer :: e
+    integer :: e, kind
+    kind = 0
     do e = 1, mesh%n_elements
-      entry = element_kind(mesh%kind(e))
+      if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
+      kind = mesh%kind(e)
       kind_name(e) = entry%name
     end do
     call create_group(store, '/AMONTONS/mesh', error)
