@@ -90,7 +90,7 @@ contains
     logical, intent(in), optional :: is_calculix    !< default .false.
     integer, intent(in), optional :: elements(:)    !< ascending
     integer, intent(in), optional :: place(:)       !< (n_nodes) column of averages, or 0
-    real(DP) :: matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_KINDS)
+    real(DP), allocatable :: matrix(:, :, :)    ! (nodes, points, N_KINDS) on the heap: it would fill a small stack
     logical :: is_made(N_KINDS)
     integer :: n_elements_at(0:size(averages, 2))
     type(element_kind_type) :: entry
@@ -101,6 +101,7 @@ contains
     is_made = .false.
     averages = 0
     if (.not. any(values /= 0.0_DP)) return       ! before the first increment; NaN differs
+    allocate (matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, N_KINDS))
     n_elements_at = 0
     kind = 0
     n_counted = mesh%n_elements
