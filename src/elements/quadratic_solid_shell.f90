@@ -16,18 +16,16 @@
 !! 945-962.
 module amontons_quadratic_solid_shell
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED
-  use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, &
-    split_unsymmetric_tangent, ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
+  use amontons_element_integration_points, only: integration_points_type, set_point_input, ELEMENT_OK, ELEMENT_NOT_FINITE, &
+    ELEMENT_DEGENERATE
   use amontons_kinds, only: DP
   use amontons_logarithmic_strain, only: voigt_transformation
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type
   use amontons_shape_functions, only: shape_functions, quadrature
-  use amontons_solid_shell, only: find_rotation, find_stretched_gradient
-  use amontons_tensor, only: IDENTITY, invert
+  use amontons_solid_shell, only: find_rotation, evaluate_stress_of_strain
+  use amontons_tensor, only: invert
   use amontons_element_kinds, only: KIND_C3D15, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
-  use amontons_zero_stress_condition, only: solve_zero_stress, CONDITION_NONE
   implicit none
   private
   public :: evaluate_quadratic_solid_shell
@@ -286,31 +284,17 @@ contains
     integer, intent(out) :: status                 !< ELEMENT_...
     type(material_point_type) :: point
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
-    real(DP) :: inverse(3, 3), det, map(6, 6)
-    integer :: p, state, n_rule
+    integer :: p, n_rule
     call quadrature(KIND_C3D15, n_rule, xi, w)
     do p = 1, N_WEDGE_POINTS
       call shape_functions(KIND_C3D15, xi(:, p), N, dN)
       call set_point_input(material, points, p, N(:N_NODES), point)
-      call find_stretched_gradient(wedge%strain(:, p), is_nlgeom, wedge%turn(:, :, p), point%H, state)
-      if (state == STRESS_OK) call solve_zero_stress(CONDITION_NONE, material, is_nlgeom, point, state)
-      if (state /= STRESS_OK) then
-        status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, state == STRESS_INVERTED)
-        return
-      end if
-      call split_unsymmetric_tangent(material, point, points, p)
-      call store_point_output(material, is_nlgeom, point, points, p)
+      call evaluate_stress_of_strain(material, is_nlgeom, wedge%strain(:, p), wedge%turn(:, :, p), p, point, points, status)
+      if (status /= ELEMENT_OK) return
       points%volume(p) = wedge%volume(p)
       S(:, p) = point%stress
       C(:, :, p) = point%tangent
-      if (allocated(points%skew)) C(:, :, p) = C(:, :, p) + points%skew(:, :, p)
-      if (.not. is_nlgeom) cycle
-      call invert(IDENTITY + point%H, inverse, det)
-      map = voigt_transformation(inverse)
-      S(:, p) = matmul(map, S(:, p))
-      C(:, :, p) = matmul(map, matmul(C(:, :, p), transpose(map)))
     end do
-    status = ELEMENT_OK
   end subroutine evaluate_stresses
 
 

@@ -45,7 +45,7 @@ module amontons_solid_shell
   use amontons_zero_stress_condition, only: solve_zero_stress, CONDITION_NONE
   implicit none
   private
-  public :: evaluate_solid_shell, set_layer_temperature_weights, find_rotation, find_stretched_gradient
+  public :: evaluate_solid_shell, set_layer_temperature_weights, find_rotation, evaluate_stress_of_strain
 
   integer, parameter :: MAX_NODES = 8              !< of a solid shell
   integer, parameter :: MAX_POINTS = 20
@@ -540,33 +540,49 @@ contains
     real(DP), intent(out) :: S(6, MAX_POINTS), C(6, 6, MAX_POINTS)
     integer, intent(out) :: status                 !< ELEMENT_...
     type(material_point_type) :: point
-    real(DP) :: strain(6), weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), inverse(3, 3), det, map(6, 6)
-    integer :: p, state
+    real(DP) :: strain(6), weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    integer :: p
     call set_layer_temperature_weights(kind_of(reference), weight)
-    status = ELEMENT_INVERTED
     do p = 1, reference%n_points
       call set_point_input(material, points, p, weight(:reference%n, p), point)
       strain = kinematics%strain(:, p) + matmul(reference%modes(:, :, p), amplitudes)
-      call find_stretched_gradient(strain, is_nlgeom, kinematics%turn(:, :, p), point%H, state)
-      if (state == STRESS_OK) call solve_zero_stress(CONDITION_NONE, material, is_nlgeom, point, state)
-      if (state /= STRESS_OK) then
-        status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, state == STRESS_INVERTED)
-        return
-      end if
-      call split_unsymmetric_tangent(material, point, points, p)
-      call store_point_output(material, is_nlgeom, point, points, p)
+      call evaluate_stress_of_strain(material, is_nlgeom, strain, kinematics%turn(:, :, p), p, point, points, status)
+      if (status /= ELEMENT_OK) return
       points%volume(p) = reference%volume(p)
       S(:, p) = point%stress
       C(:, :, p) = point%tangent
-      if (allocated(points%skew)) C(:, :, p) = C(:, :, p) + points%skew(:, :, p)
-      if (.not. is_nlgeom) cycle
-      call invert(IDENTITY + point%H, inverse, det)
-      map = voigt_transformation(inverse)
-      S(:, p) = matmul(map, S(:, p))
-      C(:, :, p) = matmul(map, matmul(C(:, :, p), transpose(map)))
     end do
-    status = ELEMENT_OK
   end subroutine evaluate_stresses
+
+
+  !> Second Piola-Kirchhoff stress of a point and its derivative by Green's strain, or those of small strain.
+  pure subroutine evaluate_stress_of_strain(material, is_nlgeom, strain, turn, p, point, points, status)
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(in) :: strain(6)              !< engineering shears [-]
+    real(DP), intent(in) :: turn(3, 3)             !< R - 1; looked at at finite strain only
+    integer, intent(in) :: p                       !< point
+    type(material_point_type), intent(inout) :: point   !< in: of set_point_input; out: stress and tangent [stress]
+    type(integration_points_type), intent(inout) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...
+    real(DP) :: inverse(3, 3), det, map(6, 6)
+    integer :: state
+    call find_stretched_gradient(strain, is_nlgeom, turn, point%H, state)
+    if (state == STRESS_OK) call solve_zero_stress(CONDITION_NONE, material, is_nlgeom, point, state)
+    if (state /= STRESS_OK) then
+      status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, state == STRESS_INVERTED)
+      return
+    end if
+    status = ELEMENT_OK
+    call split_unsymmetric_tangent(material, point, points, p)
+    call store_point_output(material, is_nlgeom, point, points, p)
+    if (allocated(points%skew)) point%tangent = point%tangent + points%skew(:, :, p)
+    if (.not. is_nlgeom) return
+    call invert(IDENTITY + point%H, inverse, det)
+    map = voigt_transformation(inverse)
+    point%stress = matmul(map, point%stress)
+    point%tangent = matmul(map, matmul(point%tangent, transpose(map)))
+  end subroutine evaluate_stress_of_strain
 
 
   !> The kind of an element at rest.
