@@ -1,8 +1,9 @@
 !> External loads: concentrated, pressure, traction, body, gravity and centrifugal forces, and their load stiffness.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! Pressures follow their faces under NLGEOM, forces with FOLLOWER their nodes; tractions, other forces and moments keep their
-!! direction. The symmetric part of a load's stiffness is added to K, the skew-symmetric part to assembly%skew.
+!! Loads on faces act at the places of module load_faces. Pressures follow their faces under NLGEOM, forces with FOLLOWER their
+!! nodes; tractions, other forces and moments keep their direction. The symmetric part of a load's stiffness is added to K, the
+!! skew-symmetric part to assembly%skew.
 module amontons_external_loads
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, rotation_matrix, moment_on_vector
@@ -21,10 +22,10 @@ module amontons_external_loads
   use amontons_unsymmetric_tangent, only: reset_load_skew, add_face_skew
   use amontons_state, only: fields_type, load_time
   use amontons_steps, only: step_type
-  use amontons_structural_data, only: structure_type, director_type, force_weights
-  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
+  use amontons_load_faces, only: load_face_type, find_load_face, add_face_force, spread_stiffness
+  use amontons_element_kinds, only: kind_family, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
     MAX_FACE_NODES, MAX_ELEMENT_POINTS, &
-    FAMILY_SHELL, KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
+    KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
   use amontons_user_state, only: evaluate_dload, evaluate_utracload
   implicit none
   private
@@ -93,15 +94,15 @@ contains
     type(model_type), intent(in) :: model
     type(fields_type), intent(inout) :: fields     !< in: u, step; out: applied_force
     logical, intent(in) :: is_nlgeom, has_stiffness
+    type(load_face_type) :: place
     real(DP) :: force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
-    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), i, a, n
+    integer :: i
     do i = 1, size(model%foundations)
       if (is_out(model, fields%step, model%foundations(i)%element)) cycle
-      call evaluate_foundation(model, model%foundations(i), fields, is_nlgeom, n, nodes, local, force, stiffness)
-      do a = 1, n
-        fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
-      end do
-      if (is_nlgeom .and. has_stiffness) call add_face_skew(assembly%skew, nodes(local(:n)), stiffness)
+      call evaluate_foundation(model, model%foundations(i), fields, is_nlgeom, place, force, stiffness)
+      call add_face_force(place, force, fields%applied_force)
+      if (is_nlgeom .and. has_stiffness) call add_face_skew(assembly%skew, place%nodes(:place%n_nodes), &
+        spread_stiffness(place, stiffness))
     end do
   end subroutine add_foundation_forces
 
@@ -112,39 +113,35 @@ contains
     type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
+    type(load_face_type) :: place
     real(DP) :: force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
-    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), i, n
+    integer :: i
     if (.not. allocated(model%foundations)) return
     do i = 1, size(model%foundations)
       if (is_out(model, fields%step, model%foundations(i)%element)) cycle
-      call evaluate_foundation(model, model%foundations(i), fields, is_nlgeom, n, nodes, local, force, stiffness)
-      call subtract_symmetric_part(assembly, model%foundations(i)%element, local(:n), nodes, stiffness)
+      call evaluate_foundation(model, model%foundations(i), fields, is_nlgeom, place, force, stiffness)
+      call subtract_symmetric_part(assembly, place%element, place%local(:place%n_nodes), place%nodes(:place%n_nodes), &
+        spread_stiffness(place, stiffness))
     end do
   end subroutine add_foundation_stiffness
 
 
   !> Forces and stiffness of one foundation.
-  subroutine evaluate_foundation(model, foundation, fields, is_nlgeom, n, nodes, local, force, stiffness)
+  subroutine evaluate_foundation(model, foundation, fields, is_nlgeom, place, force, stiffness)
     type(model_type), intent(in) :: model
     type(foundation_type), intent(in) :: foundation
     type(fields_type), intent(in) :: fields
     logical, intent(in) :: is_nlgeom
-    integer, intent(out) :: n                      !< nodes of the face
-    integer, intent(out) :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES)   !< of the element; of the face among them
-    real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< [force]
+    type(load_face_type), intent(out) :: place
+    real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< at the places [force]
     real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d u [force/length]
-    type(element_kind_type) :: kind
-    integer :: m
     associate (mesh => model%mesh, e => foundation%element)
-      kind = element_kind(mesh%kind(e))
-      call element_nodes(mesh, e, m, nodes)
-      local = kind%face_nodes(:, foundation%face)
-      n = count(local > 0)
-      associate (X => mesh%coordinates(:, nodes(local(:n))), u => fields%u(:, nodes(local(:n))))
+      call find_load_face(model, e, foundation%face, fields%u, place)
+      associate (X => place%X(:, :place%n_places), u => place%u(:, :place%n_places))
         if (has_faces_in_space(mesh%kind(e))) then
-          call integrate_face_foundation(kind%face_kind(foundation%face), X, u, foundation%stiffness, is_nlgeom, force, stiffness)
+          call integrate_face_foundation(place%kind, X, u, foundation%stiffness, is_nlgeom, force, stiffness)
         else
-          call integrate_edge_foundation(kind%family, kind%face_kind(foundation%face), X, u, mesh%section_value(e), &
+          call integrate_edge_foundation(kind_family(mesh%kind(e)), place%kind, X, u, mesh%section_value(e), &
             foundation%stiffness, is_nlgeom, force, stiffness)
         end if
       end associate
@@ -244,102 +241,46 @@ contains
     real(DP), intent(in) :: pressure
     type(fields_type), intent(inout) :: fields
     logical, intent(in) :: is_nlgeom, has_stiffness
-    type(element_kind_type) :: kind
+    type(load_face_type) :: place
     real(DP) :: x(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES), stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)
     real(DP), allocatable :: pressure_factors(:)
-    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), n, a, rule
+    integer :: n, rule
     associate (mesh => model%mesh, e => load%element)
-      kind = element_kind(mesh%kind(e))
-      call element_nodes(mesh, e, n, nodes)
-      local = kind%face_nodes(:, load%face)
-      n = count(local > 0)
-      x(:, :n) = mesh%coordinates(:, nodes(local(:n)))
-      if (is_nlgeom) x(:, :n) = x(:, :n) + fields%u(:, nodes(local(:n)))
-      rule = choose_face_rule(mesh%kind(e), kind%face_kind(load%face), model%dialect == DIALECT_CALCULIX)
+      call find_load_face(model, e, load%face, fields%u, place)
+      n = place%n_places
+      x = place%X
+      if (is_nlgeom) x = x + place%u
+      rule = choose_face_rule(mesh%kind(e), place%kind, model%dialect == DIALECT_CALCULIX)
       if (load%is_user) then
-        call evaluate_dload(model, load, kind%face_kind(load%face), x(:, :n), fields, pressure_factors)
-        call integrate_facet_pressure(kind%face_kind(load%face), x, 1.0_DP, force, stiffness, pressure_factors)
+        call evaluate_dload(model, load, place%kind, x(:, :n), fields, pressure_factors)
+        call integrate_facet_pressure(place%kind, x, 1.0_DP, force, stiffness, pressure_factors)
       else if (has_faces_in_space(mesh%kind(e))) then
-        call integrate_facet_pressure(kind%face_kind(load%face), x, pressure, force, stiffness, rule=rule)
+        call integrate_facet_pressure(place%kind, x, pressure, force, stiffness, rule=rule)
       else
-        call integrate_edge_pressure(kind%family, kind%face_kind(load%face), x(:, :n), mesh%section_value(e), pressure, force, &
+        call integrate_edge_pressure(kind_family(mesh%kind(e)), place%kind, x(:, :n), mesh%section_value(e), pressure, force, &
           stiffness, rule)
       end if
-      do a = 1, n
-        fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
-      end do
-      if (.not. (is_nlgeom .and. has_stiffness)) return
-      call subtract_symmetric_part(assembly, e, local(:n), nodes, stiffness)
-      call add_face_skew(assembly%skew, nodes(local(:n)), stiffness)
+    end associate
+    call add_face_force(place, force, fields%applied_force)
+    if (.not. (is_nlgeom .and. has_stiffness)) return
+    associate (nodes => place%nodes(:place%n_nodes), of_nodes => spread_stiffness(place, stiffness))
+      call subtract_symmetric_part(assembly, place%element, place%local(:place%n_nodes), nodes, of_nodes)
+      call add_face_skew(assembly%skew, nodes, of_nodes)
     end associate
   end subroutine add_pressure
 
 
-  !> Nodal forces of a force per reference area of a face. On a side of a shell it acts at the reference surface, where the nodes
-  !! are, per area of that surface: on the face of the solid it would bend the shell by half its thickness.
+  !> Nodal forces of a force per reference area of a face.
   subroutine add_traction(model, e, face, traction, fields)
     type(model_type), intent(in) :: model
     integer, intent(in) :: e, face                 !< element, number of its face
     real(DP), intent(in) :: traction(3)            !< [stress]
     type(fields_type), intent(inout) :: fields
-    type(element_kind_type) :: kind
-    real(DP) :: areas(MAX_FACE_NODES), x(3, MAX_FACE_NODES)
-    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), fibre(MAX_FACE_NODES), n, a
-    kind = element_kind(model%mesh%kind(e))
-    call element_nodes(model%mesh, e, n, nodes)
-    local = kind%face_nodes(:, face)
-    n = count(local > 0)
-    fibre(:n) = 0
-    if (allocated(model%structure)) fibre(:n) = fibres_of_side(model%structure, e, nodes(local(:n)))
-    x(:, :n) = model%mesh%coordinates(:, nodes(local(:n)))
-    do a = 1, n
-      if (fibre(a) > 0) x(:, a) = model%mesh%coordinates(:, model%structure%directors(fibre(a))%node)
-    end do
-    areas(:n) = integrate_nodal_areas(x(:, :n), kind%face_kind(face), out_of_plane_depth(model%mesh, e))
-    do a = 1, n
-      if (fibre(a) > 0) then
-        call add_fibre_force(model%structure%directors(fibre(a)), areas(a) * traction, fields%applied_force)
-      else
-        fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + areas(a) * traction
-      end if
-    end do
+    type(load_face_type) :: place
+    call find_load_face(model, e, face, fields%u, place)
+    call add_face_force(place, spread(traction, 2, place%n_places) * spread(integrate_nodal_areas(place%X(:, :place%n_places), &
+      place%kind, out_of_plane_depth(model%mesh, e)), 1, 3), fields%applied_force)
   end subroutine add_traction
-
-
-  !> The fibres that end at the nodes of a face, each at one: the face is a side of a shell. All 0: it is another face, like the
-  !! edge of a shell, where a fibre has both of its ends.
-  pure function fibres_of_side(structure, e, nodes) result(fibre)
-    type(structure_type), intent(in) :: structure
-    integer, intent(in) :: e                       !< element of the mesh
-    integer, intent(in) :: nodes(:)                !< of the face
-    integer :: fibre(size(nodes)), a, k
-    fibre = 0
-    if (structure%section(e) == 0) return
-    if (structure%sections(structure%section(e))%family /= FAMILY_SHELL) return
-    associate (of => structure%director_of(structure%first(e):structure%first(e + 1) - 1))
-      do k = 1, size(of)
-        if (of(k) == 0) cycle
-        do a = 1, size(nodes)
-          if (any(structure%directors(of(k))%nodes(:2) == nodes(a))) fibre(a) = of(k)
-        end do
-      end do
-    end associate
-    if (any(fibre == 0) .or. any([(count(fibre == fibre(a)) > 1, a=1, size(nodes))])) fibre = 0
-  end function fibres_of_side
-
-
-  !> Adds a force at the node of a fibre: the nodes of the fibre share it.
-  pure subroutine add_fibre_force(director, force, applied_force)
-    type(director_type), intent(in) :: director
-    real(DP), intent(in) :: force(3)
-    real(DP), intent(inout) :: applied_force(:, :)   !< (3, n_nodes) [force]
-    real(DP) :: share(size(director%nodes))
-    integer :: i
-    share = force_weights(director, .false., .false.)
-    do i = 1, size(director%nodes)
-      applied_force(:, director%nodes(i)) = applied_force(:, director%nodes(i)) + share(i) * force
-    end do
-  end subroutine add_fibre_force
 
 
   !> Nodal forces of a traction by UTRACLOAD, per reference area.
@@ -348,20 +289,15 @@ contains
     type(distributed_type), intent(in) :: load
     type(fields_type), intent(inout) :: fields
     logical, intent(in) :: is_nlgeom               !< the routine gets current places
-    type(element_kind_type) :: kind
-    real(DP) :: X(3, MAX_FACE_NODES), now(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES)
-    integer :: nodes(MAX_ELEMENT_NODES), local(MAX_FACE_NODES), n, a
-    kind = element_kind(model%mesh%kind(load%element))
-    call element_nodes(model%mesh, load%element, n, nodes)
-    local = kind%face_nodes(:, load%face)
-    n = count(local > 0)
-    X(:, :n) = model%mesh%coordinates(:, nodes(local(:n)))
-    now(:, :n) = X(:, :n)
-    if (is_nlgeom) now(:, :n) = X(:, :n) + fields%u(:, nodes(local(:n)))
-    call evaluate_utracload(model, load, kind%face_kind(load%face), X(:, :n), now(:, :n), fields, force(:, :n))
-    do a = 1, n
-      fields%applied_force(:, nodes(local(a))) = fields%applied_force(:, nodes(local(a))) + force(:, a)
-    end do
+    type(load_face_type) :: place
+    real(DP) :: now(3, MAX_FACE_NODES), force(3, MAX_FACE_NODES)
+    call find_load_face(model, load%element, load%face, fields%u, place)
+    now = place%X
+    if (is_nlgeom) now = now + place%u
+    associate (n => place%n_places)
+      call evaluate_utracload(model, load, place%kind, place%X(:, :n), now(:, :n), fields, force(:, :n))
+    end associate
+    call add_face_force(place, force, fields%applied_force)
   end subroutine add_user_traction
 
 
@@ -369,21 +305,21 @@ contains
   subroutine subtract_symmetric_part(assembly, e, local, nodes, stiffness)
     type(assembly_type), intent(inout) :: assembly
     integer, intent(in) :: e
-    integer, intent(in) :: local(:)                !< element node of each face node
-    integer, intent(in) :: nodes(MAX_ELEMENT_NODES)        !< node indices of the element
+    integer, intent(in) :: local(:)                !< numbers of some of its nodes in the element
+    integer, intent(in) :: nodes(:)                !< of the mesh, the same nodes
     real(DP), intent(in) :: stiffness(:, :)
     real(DP) :: block(3, 3)
     integer :: i, j, a, b, k
     if (assembly%is_divided .and. .not. is_own_element(assembly, e)) return
     do j = 1, size(local)
       do i = 1, size(local)
+        if (nodes(i) > nodes(j)) cycle
         a = local(i)
         b = local(j)
-        if (nodes(a) > nodes(b)) cycle
         k = assembly%pair_first(e) - 1 + max(a, b) * (max(a, b) - 1) / 2 + min(a, b)
         block = -0.5_DP * (stiffness(3 * i - 2:3 * i, 3 * j - 2:3 * j) &
           + transpose(stiffness(3 * j - 2:3 * j, 3 * i - 2:3 * i)))
-        call add_row_block(assembly%stiffness, nodes(a), assembly%pair_offset(k), block)
+        call add_row_block(assembly%stiffness, nodes(i), assembly%pair_offset(k), block)
       end do
     end do
   end subroutine subtract_symmetric_part
@@ -409,7 +345,7 @@ contains
     do a = 1, n
       fields%applied_force(:, nodes(a)) = fields%applied_force(:, nodes(a)) + force(:, a)
     end do
-    if (is_nlgeom .and. has_stiffness) call subtract_symmetric_part(assembly, load%element, [(a, a=1, n)], nodes, &
+    if (is_nlgeom .and. has_stiffness) call subtract_symmetric_part(assembly, load%element, [(a, a=1, n)], nodes(:n), &
       stiffness)
   end subroutine add_centrifugal_forces
 

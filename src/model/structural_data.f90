@@ -6,7 +6,7 @@ module amontons_structural_data
   private
   public :: structural_section_type, layer_type, structure_type, director_type
   public :: SECTION_RECT, SECTION_CIRC, SECTION_PIPE, SECTION_BOX
-  public :: find_node_directors, expanded_nodes, mean_weights, force_weights, n_section_layers, layer_heights, &
+  public :: find_node_directors, expanded_nodes, mean_weights, layer_weights, force_weights, n_section_layers, layer_heights, &
     middle_node, parabola_weights, following_nodes, interpolate_added_nodes
 
   integer, parameter :: SECTION_RECT = 1     !< cross-section of a beam: a rectangle
@@ -144,7 +144,8 @@ contains
   end function mean_weights
 
 
-  !> The weights of the faces of the layers at a place of a fibre: linear in the layer where it lies, or beyond the outer ones.
+  !> The weights of the faces of the layers at a place of the fibre of a shell: linear in the layer where it lies, or beyond the
+  !! outer ones.
   pure function layer_weights(director, place) result(weight)
     type(director_type), intent(in) :: director
     real(DP), intent(in) :: place                !< over the thickness from the middle [-]

@@ -31,6 +31,7 @@ program test_external_loads
   call check_plane()
   call check_time()
   call check_stiffness()
+  call check_shell_stiffness()
   call check_follower()
   call expect_message('', '*STEP card')
   call suite%finish()
@@ -197,6 +198,38 @@ contains
     both = sum(v * difference(u)) + sum(u * difference(v))
     call suite%near('stiffness of ' // load, -2 * dot_product(reshape(v, [24]), y), both, 1.0e-7_DP * abs(both))
   end subroutine check_load_stiffness
+
+
+  !> A pressure on the reference surface of shells: its stiffness, symmetric and skew parts together, is that of the differences.
+  subroutine check_shell_stiffness()
+    character(*), parameter :: NODES = '*NODE;11,0,0,9;12,2,0,9;13,2,3,9.5;14,0,3,9;15,1,0,9;16,2,1.5,9.3;17,1,3,9.2;18,0,1.5,9;'
+    character(*), parameter :: S4 = NODES // '*ELEMENT, TYPE=S4, ELSET=S;2,11,12,13,14;'
+    character(*), parameter :: S8R = NODES // '*ELEMENT, TYPE=S8R, ELSET=S;2,11,12,13,14,15,16,17,18;'
+    call check_whole_stiffness(S4 // '*SHELL SECTION, ELSET=S, MATERIAL=M, OFFSET=.3;.6;')
+    call check_whole_stiffness(S8R // '*SHELL SECTION, ELSET=S, MATERIAL=M;.6;')
+    call check_whole_stiffness(S8R // '*SHELL SECTION, ELSET=S, COMPOSITE;.1,3,M;.3,3,M;.2,3,M;')
+    call check_whole_stiffness(PLANE // '*ELEMENT, TYPE=SAX1, ELSET=S;2,11,13;*SHELL SECTION, ELSET=S, MATERIAL=M;.1;')
+  end subroutine check_shell_stiffness
+
+
+  !> One shell.
+  subroutine check_whole_stiffness(shell)
+    character(*), intent(in) :: shell
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: du(:, :), expected(:), got(:)
+    integer :: i
+    call apply('*DLOAD;S,P,7.;', shell, G=reshape([0.1_DP, 0.0_DP, 0.2_DP, 0.0_DP, 0.1_DP, 0.0_DP, 0.0_DP, 0.3_DP, 0.0_DP], [3, 3]))
+    call assemble_external_loads(assembly, model, model%steps(1), state%new, .true., .true.)
+    call assemble_skew(assembly%skew, 3 * model%mesh%n_nodes, error)
+    du = reshape([(sin(real(i, DP)), i=1, 3 * model%mesh%n_nodes)], [3, model%mesh%n_nodes])
+    expected = reshape(difference(du), [size(du)])
+    allocate (got(size(du)))
+    call multiply_symmetric(assembly%stiffness, reshape(du, [size(du)]), got)
+    got = -got
+    call subtract_skew_product(assembly%skew, -reshape(du, [size(du)]), got)
+    call suite%near('stiffness of ' // shell, maxval(abs(got - expected)), 0.0_DP, 1.0e-8_DP * maxval(abs(expected)))
+    call suite%that('which is not zero', maxval(abs(expected)) > 0.1_DP)
+  end subroutine check_whole_stiffness
 
 
   !> A force on a reference node: R(w) F0 keeps its size and turns with w; its stiffness, symmetric and skew parts together, is
