@@ -40,20 +40,21 @@ contains
     type(state_type), intent(inout) :: state       !< in: old history, new u, times and temperature; out: new
     !< internal_force, stress, strain, energy, volume, history
     integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
+    type(batch_type), allocatable :: batch         ! of a thread
     integer :: g, i, failed
     failed = huge(failed)
     state%new%internal_force = 0.0_DP
-    !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
+    !$omp parallel private(g, i, batch) reduction(min: failed) if (is_threading_useful(assembly))
     !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
-        call add_group_forces(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
+        call add_group_forces(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, batch, failed)
       end do
     end do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp do schedule(static)
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
-        call add_group_forces(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
+        call add_group_forces(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, batch, failed)
       end do
     end do
     !$omp end parallel
@@ -145,16 +146,18 @@ contains
   end function is_quadratic_solid_shell
 
 
-  !> Puts the chosen elements into the lanes of a batch; unused lanes repeat the last element.
+  !> Puts the chosen elements into the lanes of a batch; unused lanes repeat the last element. The batch is on the heap, once for
+  !! a thread: with it the stack of half a megabyte that threads of some systems have was full.
   pure subroutine load_batch(model, rule, list, state, is_plastic, batch)
     type(model_type), intent(in) :: model
     type(batch_rule_type), intent(in) :: rule      !< of their kind
     integer, intent(in) :: list(:)                 !< elements, at least one
     type(state_type), intent(in) :: state
     logical, intent(in) :: is_plastic              !< with the committed history
-    type(batch_type), intent(inout) :: batch
+    type(batch_type), allocatable, intent(inout) :: batch
     real(DP) :: X(3, MAX_ELEMENT_NODES), u(3, MAX_ELEMENT_NODES)
     integer :: lane, p
+    if (.not. allocated(batch)) allocate (batch)
     do lane = 1, BATCH_WIDTH
       associate (e => list(min(lane, size(list))))
         call set_element_configuration(model%mesh, e, state%new, X, u)
@@ -168,14 +171,14 @@ contains
 
 
   !> Forces and point results of some elements: in a batch where possible, else one by one; all one by one if a batch fails.
-  subroutine add_group_forces(assembly, model, elements, is_nlgeom, state, failed)
+  subroutine add_group_forces(assembly, model, elements, is_nlgeom, state, batch, failed)
     type(assembly_type), intent(in) :: assembly
     type(model_type), intent(in) :: model
     integer, intent(in) :: elements(:)             !< at most BATCH_WIDTH, all of one group
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(inout) :: state
+    type(batch_type), allocatable, intent(inout) :: batch   !< of the thread
     integer, intent(inout) :: failed
-    type(batch_type) :: batch
     integer, allocatable :: list(:)
     logical :: is_chosen(size(elements)), is_plastic
     integer :: k, lane, a, p, last, first, kind
@@ -220,14 +223,14 @@ contains
 
 
   !> Adds the stiffness of some elements to the matrix, in a batch where possible.
-  subroutine add_group_tangent(assembly, model, elements, is_nlgeom, state, failed)
+  subroutine add_group_tangent(assembly, model, elements, is_nlgeom, state, batch, failed)
     type(assembly_type), intent(inout) :: assembly
     type(model_type), intent(in) :: model
     integer, intent(in) :: elements(:)             !< at most BATCH_WIDTH, all of one group
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(in) :: state
+    type(batch_type), allocatable, intent(inout) :: batch   !< of the thread
     integer, intent(inout) :: failed
-    type(batch_type) :: batch
     integer, allocatable :: list(:)
     logical :: is_chosen(size(elements)), is_plastic
     integer :: k, lane, kind
@@ -485,6 +488,7 @@ contains
     logical, intent(in) :: is_nlgeom
     type(state_type), intent(in) :: state          !< old history; new u, times, temperature
     integer, intent(out) :: failed_element         !< 0, or the first element that is inverted or not finite
+    type(batch_type), allocatable :: batch         ! of a thread
     integer :: g, i, failed
     failed = huge(failed)
     call ensure_matrix(assembly, model%mesh)
@@ -494,17 +498,17 @@ contains
     end do
     !$omp end parallel do
     call reset_element_skew(assembly%skew, assembly%stiffness, has_unsymmetric_elements(model))
-    !$omp parallel private(g, i) reduction(min: failed) if (is_threading_useful(assembly))
+    !$omp parallel private(g, i, batch) reduction(min: failed) if (is_threading_useful(assembly))
     !$omp do schedule(dynamic)
     do g = 1, assembly%n_parts
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
-        call add_group_tangent(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
+        call add_group_tangent(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, batch, failed)
       end do
     end do
     do g = assembly%n_parts + 1, assembly%n_groups
       !$omp do schedule(static)
       do i = assembly%group_first(g), assembly%group_first(g + 1) - 1, BATCH_WIDTH
-        call add_group_tangent(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, failed)
+        call add_group_tangent(assembly, model, list_batch_span(assembly, g, i), is_nlgeom, state, batch, failed)
       end do
     end do
     !$omp end parallel

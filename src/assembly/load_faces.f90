@@ -19,7 +19,7 @@ module amontons_load_faces
   type :: load_face_type
     integer :: kind = 0                            !< FACET_...
     integer :: n_places = 0
-    integer :: element = 0                         !< has the nodes that share the load; another layer than that of the face if need be
+    integer :: element = 0                         !< of the nodes that share the load: of layers perhaps another than e
     integer :: n_nodes = 0                         !< of them
     integer :: local(MAX_ELEMENT_NODES) = 0        !< (n_nodes) their numbers in the element
     integer :: nodes(MAX_ELEMENT_NODES) = 0        !< (n_nodes) the nodes of the mesh

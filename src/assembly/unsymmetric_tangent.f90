@@ -184,7 +184,8 @@ contains
     real(DP), intent(in), optional :: walls(4)     !< of a hollow beam [-]
     type(element_kind_type) :: entry
     type(reference_geometry_type) :: reference
-    real(DP) :: B(6, 3 * MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), current(MAX_ELEMENT_POINTS)
+    real(DP), allocatable :: B(:, :, :)            ! (6, k, points)
+    real(DP) :: current(MAX_ELEMENT_POINTS)
     integer :: p, k
     entry = element_kind(kind)
     k = 3 * entry%n_nodes
@@ -192,12 +193,13 @@ contains
     if (.not. any(entry%family == [FAMILY_SOLID, FAMILY_PLANE_STRAIN, FAMILY_PLANE_STRESS, &
       FAMILY_AXISYMMETRIC])) return
     call set_reference_geometry(kind, entry, X, section, reference, walls)
+    allocate (B(6, k, reference%m))
     do p = 1, reference%m
       call set_strain_matrix(entry, reference, p, u, is_nlgeom, B(:, :, p), current(p))
     end do
     if (entry%is_mean_dilatation) call apply_mean_dilatation(reference, current, B)
     do p = 1, reference%m
-      stiffness(:k, :k) = stiffness(:k, :k) + reference%volume(p) * matmul(transpose(B(:, :k, p)), matmul(w(:, :, p), B(:, :k, p)))
+      stiffness(:k, :k) = stiffness(:k, :k) + reference%volume(p) * matmul(transpose(B(:, :, p)), matmul(w(:, :, p), B(:, :, p)))
     end do
   end subroutine evaluate_element_skew
 
@@ -264,7 +266,7 @@ contains
     integer, intent(in) :: p                       !< point
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
     logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: B(6, 3 * MAX_ELEMENT_NODES)   !< [1/length]
+    real(DP), intent(out) :: B(:, :)               !< (6, 3 nodes) [1/length]
     real(DP), intent(out) :: current               !< [length^3]
     real(DP) :: F(3, 3), inverse(3, 3), det, g(3), hoop
     integer :: a

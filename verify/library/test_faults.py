@@ -20,6 +20,7 @@ import h5py
 import pytest
 
 from verify.conftest import Run
+from verify.decks import make_decks, solids
 from verify.library.common import bits, block, cubes, frames, same_results  # noqa: F401
 from verify.readers.sta_cvg_files import read_sta
 
@@ -356,6 +357,20 @@ def test_strange_surroundings(program: Path, tmp_path: Path, before: str) -> Non
     done = subprocess.run(["/bin/sh", "-c", f"{before} {program} job"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout + done.stderr
     assert len(read_sta(tmp_path / "job.sta")) == 2
+
+
+@pytest.mark.parametrize("kind", ["C3D8", "C3D8I", "C3D8R", "C3D10"])
+def test_small_stack(program: Path, tmp_path: Path, kind: str) -> None:
+    """Half a megabyte for each of two threads, as threads of some systems have: plastic elements in batches and one by one, with inner modes."""
+    body = solids.as_kind(make_decks.block(range(6), range(6), range(4), "BLOCK"), kind)
+    (tmp_path / "job.inp").write_text(
+        f"{body.cards()}{solids.node_set('LOW', body.where(2, 0.0))}{solids.node_set('TOP', body.where(2, 3.0))}*MATERIAL, NAME=M\n*ELASTIC\n2e5, 0.3\n"
+        "*PLASTIC\n200., 0.\n400., 0.5\n*SOLID SECTION, ELSET=ALL, MATERIAL=M\n*BOUNDARY\nLOW, 1, 3\n*STEP, NLGEOM\n*STATIC\n0.5, 1.\n*BOUNDARY\nTOP, 3, 3, 0.05\n*END STEP\n"
+    )
+    command = f"ulimit -s 512; OMP_STACKSIZE=512K {program} --threads=2 job"
+    done = subprocess.run(["/bin/sh", "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "with 2 threads" in done.stdout
 
 
 CLOCK = """
