@@ -254,7 +254,7 @@ uses_newton_step = kinds errors iteration_records sparse factorization woodbury_
 uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps model constraints contact_linearization reduced_system equilibrium newton_step
 
 # model_check
-uses_model_check_bodies = kinds text errors tensor element_kinds mesh model element
+uses_model_check_bodies = kinds text errors tensor element_kinds loads mesh model element
 uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization exterior_membership rigid_exterior model_check_bodies
 uses_motion_rows = kinds containers column_singletons sparse_null_space
 uses_rigid_modes = kinds text tensor model_check_bodies

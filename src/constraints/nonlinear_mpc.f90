@@ -33,7 +33,7 @@ module amontons_nonlinear_mpc
   use amontons_assembly_plan, only: assembly_type, add_node_block
   implicit none
   private
-  public :: add_nonlinear_mpcs, add_mpc_stiffness, fix_unconnected_unknowns, extract_support_reactions, linearize_mpcs
+  public :: add_nonlinear_mpcs, add_mpc_stiffness, fix_unconnected_unknowns, extract_support_reactions, linear_equations
   public :: evaluate_mpc_rows, evaluate_mpc_hessian, list_hessian_nodes, find_rotation_lengths, find_pivot_lengths, TAG_SUPPORT
 
   integer, parameter :: TAG_SUPPORT = 1           !< rows of supports: of transformed nodes, and those that hold fibres
@@ -192,8 +192,8 @@ contains
   end subroutine add_mpc_stiffness
 
 
-  !> The nonlinear MPCs linearized at u = 0, as equations.
-  subroutine linearize_mpcs(model, equations)
+  !> The equations of a model, then its nonlinear MPCs linearized at u = 0.
+  subroutine linear_equations(model, equations)
     type(model_type), intent(in) :: model
     type(equation_type), allocatable, intent(out) :: equations(:)
     type(equation_list_type) :: list
@@ -201,7 +201,7 @@ contains
     type(constraint_row_type), allocatable :: rows(:)
     real(DP), allocatable :: u(:, :)
     integer :: i, k
-    allocate (equations(0))
+    equations = model%equations
     if (n_nonlinear_mpcs(model) == 0) return
     allocate (u(3, model%mesh%n_nodes), source=0.0_DP)
     do i = 1, n_nonlinear_mpcs(model)
@@ -217,7 +217,7 @@ contains
       end do
     end do
     call list%move_to(equations)
-  end subroutine linearize_mpcs
+  end subroutine linear_equations
 
 
   !> The number of rows of a constraint.

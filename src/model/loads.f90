@@ -297,6 +297,7 @@ contains
     to%deck_dof = from%deck_dof
     to%first_step = from%first_step
     to%last_step = from%last_step
+    to%is_balancing = from%is_balancing
   end subroutine move_equation
 
 end module amontons_loads

@@ -15,10 +15,10 @@ module amontons_balanced_bodies
   use amontons_assembly_plan, only: assembly_type
   use amontons_external_loads, only: assemble_external_loads
   use amontons_loads, only: equation_type
-  use amontons_model, only: model_type, n_nonlinear_mpcs
+  use amontons_model, only: model_type
   use amontons_structural_data, only: find_node_directors
   use amontons_mpc_data, only: MPC_RIGID_BODY
-  use amontons_nonlinear_mpc, only: linearize_mpcs
+  use amontons_nonlinear_mpc, only: linear_equations
   use amontons_state, only: state_type, fields_type, slave_state_type, create_state
   use amontons_model_check_bodies, only: bodies_type, find_bodies, body_name, join_item, step_list, line_of_nodes
   use amontons_model_check_motion, only: cluster_type, find_free_clusters, rigid_motion
@@ -46,30 +46,14 @@ contains
 
   !> Finds the supports of all steps. After: text names the bodies and nodes, '' if there are none. Nonlinear constraints restrain
   !! motions by their linearization: the rotation of a beam about its axis is held at its nodes by them alone.
+  !!
+  !! A body without loads and moved supports gets none: a support was more often forgotten. Nor does one between moved supports that
+  !! an earlier step held. But a straight beam on hinges always turns about its axis.
   subroutine find_balancing_supports(model, supports, text)
     type(model_type), intent(in) :: model
     type(balancing_support_type), allocatable, intent(out) :: supports(:)
     character(:), allocatable, intent(out) :: text
-    type(model_type), allocatable :: linear        ! with nonlinear MPCs linearized to equations, if any
     type(equation_type), allocatable :: equations(:)
-    if (n_nonlinear_mpcs(model) > 0) then
-      allocate (linear, source=model)
-      call linearize_mpcs(model, equations)
-      linear%equations = [model%equations, equations]
-      call find_linear_supports(linear, supports, text)
-    else
-      call find_linear_supports(model, supports, text)
-    end if
-  end subroutine find_balancing_supports
-
-
-  !> The supports of a model whose constraints are equations. A body without loads and moved supports gets none: a support was
-  !! more often forgotten. Nor does one between moved supports that an earlier step held. But a straight beam on hinges always turns
-  !! about its axis.
-  subroutine find_linear_supports(model, supports, text)
-    type(model_type), intent(in) :: model
-    type(balancing_support_type), allocatable, intent(out) :: supports(:)
-    character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
     type(cluster_type), allocatable :: free(:)
     type(balancing_support_type), allocatable :: added(:)
@@ -80,9 +64,10 @@ contains
     integer :: i, k
     allocate (supports(0))
     text = ''
+    call linear_equations(model, equations)
     do i = 1, size(model%steps)
       if (model%steps(i)%is_dynamic) cycle         ! inertia holds all bodies
-      call find_bodies(model, i, bodies)
+      call find_bodies(model, equations, i, bodies)
       call find_free_clusters(model, bodies, i, free)
       do k = 1, size(free)
         place = places_in_cluster(bodies, free(k))
@@ -93,7 +78,7 @@ contains
         call hold_spin(model, place, free(k), i, added)
         if (size(added) == 0) then
           if (.not. has_loads) cycle
-          is_usable = find_usable_nodes(model, place, i, is_hinge(model, bodies, free(k)))
+          is_usable = find_usable_nodes(model, bodies%equations, place, i, is_hinge(model, bodies, free(k)))
           call choose_supports(model, bodies, free(k), place, is_usable, i, added)
         end if
         associate (n => size(free(k)%motions, 2))
@@ -108,7 +93,7 @@ contains
         text = text // sentence
       end do
     end do
-  end subroutine find_linear_supports
+  end subroutine find_balancing_supports
 
 
   !> Whether bodies are no more than reference and rotation nodes of rigid bodies whose nodes lie on a line: the rotation about it
@@ -365,8 +350,9 @@ contains
   !> The nodes of bodies that may be held: with elements, in global directions, in no support, equation or multi-point constraint.
   !! Equations connect all nodes of shells: of bodies without other nodes those are held whose fibre is in no support and in no
   !! rigid body, which moves all its nodes.
-  function find_usable_nodes(model, place, step, has_hinges) result(is_usable)
+  function find_usable_nodes(model, equations, place, step, has_hinges) result(is_usable)
     type(model_type), intent(in) :: model
+    type(equation_type), intent(in) :: equations(:)
     integer, intent(in) :: place(:)                !< (n_nodes) 0: outside the cluster
     integer, intent(in) :: step
     logical, intent(in) :: has_hinges              !< the bodies are reference and rotation nodes of hinges
@@ -377,8 +363,8 @@ contains
     if (allocated(model%frame_of)) is_usable = is_usable .and. model%frame_of == 0
     is_usable(model%steps(step)%prescribed%node) = .false.
     if (has_hinges) return
-    do i = 1, size(model%equations)
-      is_usable(model%equations(i)%node) = .false.
+    do i = 1, size(equations)
+      is_usable(equations(i)%node) = .false.
     end do
     allocate (is_rigid(model%mesh%n_nodes), source=.false.)
     if (allocated(model%nonlinear_mpcs)) then

@@ -23,7 +23,7 @@ module amontons_model_check
   use amontons_mpc_data, only: MPC_RIGID_BODY
   use amontons_slave_node_overrides, only: gives_way
   use amontons_state, only: slave_state_type
-  use amontons_nonlinear_mpc, only: linearize_mpcs
+  use amontons_nonlinear_mpc, only: linear_equations
   use amontons_constraints, only: constraints_type, constraint_row_type, reset_constraints, prescribe_unknown, &
     add_constraint_row, ROW_REDUNDANT, &
     ROW_CONFLICT
@@ -50,22 +50,13 @@ contains
     type(slave_state_type), intent(in) :: slaves(:)      !< at the start of the first increment: facet, gap and normal are set
     type(diagnostic_list_type), intent(inout) :: report
     type(error_type), allocatable, intent(out) :: error
-    type(model_type), allocatable :: linear        ! with nonlinear MPCs linearized to equations, if any
-    type(equation_type), allocatable :: equations(:)
     call check_volumes(model, report)
     call check_materials(model, report)
     call check_equations(model, report)
     call check_idle_moments(model, report)
     call check_contact(model, contact, slaves, report)
     if (report%n_errors == 0) call check_unpaired_bodies(model, report)   ! a faulty pair may be the one that joins them
-    if (n_nonlinear_mpcs(model) > 0) then
-      allocate (linear, source=model)
-      call linearize_mpcs(model, equations)
-      linear%equations = [model%equations, equations]
-      call check_bodies(linear, contact, slaves, report)
-    else
-      call check_bodies(model, contact, slaves, report)
-    end if
+    call check_bodies(model, contact, slaves, report)
     if (report%n_errors > 0) call set_error(error, EXIT_SETUP, 'The model check found ' // &
       plural(report%n_errors, 'error') // '. No step was started.')
   end subroutine check_model
@@ -77,8 +68,10 @@ contains
     type(contact_type), intent(in) :: contact
     type(slave_state_type), intent(in) :: slaves(:)
     type(diagnostic_list_type), intent(inout) :: report
+    type(equation_type), allocatable :: equations(:)
     type(bodies_type) :: bodies
-    call find_bodies(model, 1, bodies)
+    call linear_equations(model, equations)
+    call find_bodies(model, equations, 1, bodies)
     call check_unattached_nodes(model, bodies, report)
     call check_rigid_motions(model, contact, slaves, bodies, report)
     call check_unilateral_support(model, contact, slaves, bodies, report)
@@ -401,7 +394,7 @@ contains
     type(slave_state_type), intent(in) :: slaves(:)      !< at the start of the first increment
     character(:), allocatable, intent(out) :: text
     type(bodies_type) :: bodies
-    call find_bodies(model, 1, bodies)
+    call find_bodies(model, model%equations, 1, bodies)
     call weigh_bodies(model, 1, bodies)
     text = mesh_table(model) // material_table(model) // body_table(model, bodies, contact, slaves)
     if (size(model%pairs) > 0) text = text // pair_table(model, contact, slaves)
@@ -661,8 +654,8 @@ contains
         call mark_bodies(bodies%of_element(step%distributed%element))
       end associate
     end do
-    do k = 1, size(model%equations)
-      call mark_bodies(bodies%of_node(model%equations(k)%node))
+    do k = 1, size(bodies%equations)
+      call mark_bodies(bodies%of_node(bodies%equations(k)%node))
     end do
     call mark_bodies(pack(bodies%of_element, model%mesh%kind >= KIND_SPRINGA))
     if (allocated(model%foundations)) call mark_bodies(bodies%of_element(model%foundations%element))

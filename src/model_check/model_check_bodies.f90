@@ -8,6 +8,7 @@ module amontons_model_check_bodies
   use amontons_model, only: model_type, is_out, absent_elements, material_in_step
   use amontons_element_kinds, only: KIND_MASS
   use amontons_errors, only: diagnostic_list_type
+  use amontons_loads, only: equation_type
   use amontons_mesh, only: mesh_type, find_connected_nodes, wall_ratios
   implicit none
   private
@@ -35,6 +36,7 @@ module amontons_model_check_bodies
     integer, allocatable :: of_node(:)             !< (n_nodes) 0: none
     integer, allocatable :: of_element(:)          !< (n_elements)
     type(body_type), allocatable :: list(:)        !< (n)
+    type(equation_type), allocatable :: equations(:)   !< those between their nodes
   end type bodies_type
 
   integer, parameter :: MAX_LABELS_SHOWN = 10      !< labels of a list; of the others only the number appears
@@ -42,16 +44,18 @@ module amontons_model_check_bodies
 contains
 
   !> Finds the bodies and their boxes. Cost: linear.
-  subroutine find_bodies(model, step, bodies)
+  subroutine find_bodies(model, equations, step, bodies)
     type(model_type), intent(in) :: model
+    type(equation_type), intent(in) :: equations(:)   !< those of the model, or with its nonlinear MPCs linearized
     integer, intent(in) :: step                    !< whose elements count: index into model%steps
     type(bodies_type), intent(out) :: bodies
     integer :: e, i, k
     associate (mesh => model%mesh)
       call find_connected_nodes(mesh, bodies%of_node, bodies%n, [(is_out(model, step, e), e=1, mesh%n_elements)])
-      do i = 1, size(model%equations)
-        do k = 1, size(model%equations(i)%node)
-          call number_body(bodies, model%equations(i)%node(k))
+      bodies%equations = equations
+      do i = 1, size(equations)
+        do k = 1, size(equations(i)%node)
+          call number_body(bodies, equations(i)%node(k))
         end do
       end do
       bodies%of_element = bodies%of_node(mesh%nodes(mesh%first(:mesh%n_elements)))

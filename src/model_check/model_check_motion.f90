@@ -20,8 +20,8 @@ module amontons_model_check_motion
   use amontons_stabilization, only: is_damped
   use amontons_mesh, only: mean_face_normal
   use amontons_loads, only: equation_type
-  use amontons_model, only: model_type, dof_direction, absent_elements, n_nonlinear_mpcs
-  use amontons_nonlinear_mpc, only: linearize_mpcs
+  use amontons_model, only: model_type, dof_direction, absent_elements
+  use amontons_nonlinear_mpc, only: linear_equations
   use amontons_state, only: slave_state_type, STATUS_OPEN, STATUS_SLIP
   use amontons_contact_constraint_rows, only: contact_row_type
   use amontons_contact_pairs, only: contact_type, current_row
@@ -157,34 +157,15 @@ contains
     integer, intent(in) :: step                    !< its number
     logical, intent(out) :: is_free                !< there is one
     character(:), allocatable, intent(out) :: motion   !< body and motion in words; not allocated if none is free
-    type(model_type), allocatable :: linear        ! with nonlinear MPCs linearized to equations, if any
     type(equation_type), allocatable :: equations(:)
-    if (n_nonlinear_mpcs(model) > 0) then
-      allocate (linear, source=model)
-      call linearize_mpcs(model, equations)
-      linear%equations = [model%equations, equations]
-      call find_free_linear_motion(linear, contact, slaves, step, is_free, motion)
-    else
-      call find_free_linear_motion(model, contact, slaves, step, is_free, motion)
-    end if
-  end subroutine find_free_motion
-
-
-  !> The same in a model whose constraints are equations.
-  subroutine find_free_linear_motion(model, contact, slaves, step, is_free, motion)
-    type(model_type), intent(in) :: model
-    type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: slaves(:)
-    integer, intent(in) :: step
-    logical, intent(out) :: is_free
-    character(:), allocatable, intent(out) :: motion
     type(bodies_type) :: bodies
     type(bases_type) :: bases
     type(rows_type) :: rows
     type(finding_type), allocatable :: findings(:)
     integer :: s
     is_free = .false.
-    call find_bodies(model, step, bodies)
+    call linear_equations(model, equations)
+    call find_bodies(model, equations, step, bodies)
     call find_bases(model, bodies, model%steps(step), bases)
     if (all(bases%n == 0)) return
     allocate (findings(0))
@@ -197,7 +178,7 @@ contains
     call check_clusters(model, bodies, bases, rows, step, .false., findings)
     is_free = size(findings) > 0
     if (is_free) motion = findings(1)%motion
-  end subroutine find_free_linear_motion
+  end subroutine find_free_motion
 
 
   !> Finds the free motions of one step.
@@ -247,7 +228,7 @@ contains
     allocate (eigenvalues(6, bodies%n))
     allocate (bases%n(bodies%n), n_rows(bodies%n), source=0)
     allocate (bases%motion(6, 6, bodies%n), source=0.0_DP)
-    call constrain_unattached_nodes(model, bodies, gram)
+    call constrain_unattached_nodes(bodies, gram)
     do i = 1, size(step%prescribed)
       associate (load => step%prescribed(i))
         b = bodies%of_node(load%node)
@@ -454,16 +435,15 @@ contains
 
 
   !> A node without elements does not rotate, and moves only in the directions that occur in equations.
-  subroutine constrain_unattached_nodes(model, bodies, gram)
-    type(model_type), intent(in) :: model
+  subroutine constrain_unattached_nodes(bodies, gram)
     type(bodies_type), intent(in) :: bodies
     real(DP), intent(inout) :: gram(:, :, :)       !< (6, 6, n_bodies)
     logical, allocatable :: is_used(:, :)
     integer :: b, i, k
     allocate (is_used(6, bodies%n), source=.false.)
-    do i = 1, size(model%equations)
-      do k = 1, size(model%equations(i)%node)
-        is_used(model%equations(i)%dof(k), bodies%of_node(model%equations(i)%node(k))) = .true.
+    do i = 1, size(bodies%equations)
+      do k = 1, size(bodies%equations(i)%node)
+        is_used(bodies%equations(i)%dof(k), bodies%of_node(bodies%equations(i)%node(k))) = .true.
       end do
     end do
     do b = 1, bodies%n
@@ -501,8 +481,8 @@ contains
     type(rows_type), intent(inout) :: rows
     real(DP) :: a(3)
     integer :: i, k
-    do i = 1, size(model%equations)
-      associate (equation => model%equations(i))
+    do i = 1, size(bodies%equations)
+      associate (equation => bodies%equations(i))
         do k = 1, size(equation%node)
           a = 0.0_DP
           a(equation%dof(k)) = equation%coefficient(k) / maxval(abs(equation%coefficient))

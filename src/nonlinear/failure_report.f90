@@ -301,7 +301,7 @@ contains
     real(DP), allocatable :: distance(:)           ! (n_bodies) [length]
     integer, allocatable :: slave_body(:)
     integer :: b, i, n
-    call find_bodies(model, state%new%step, bodies)
+    call find_bodies(model, model%equations, state%new%step, bodies)
     allocate (lines(0), distance(bodies%n))
     distance = 0.0_DP
     do i = 1, model%mesh%n_nodes

@@ -127,7 +127,7 @@ contains
   integer function n_errors()
     type(diagnostic_list_type) :: report
     type(bodies_type) :: bodies
-    call find_bodies(model, 1, bodies)
+    call find_bodies(model, model%equations, 1, bodies)
     call check_rigid_motions(model, system%contact, state%new%slaves, bodies, report)
     n_errors = report%n_errors
   end function n_errors
