@@ -223,7 +223,7 @@ contains
       is_follower = .false.
     end if
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') call &
-      ramp_down_loads(active_loads%step, active_loads%is_step, active_loads%has_new(LOAD_CLOAD), active_loads%cloads)
+      ramp_down_loads(active_loads%step, active_loads%is_step, model%dialect, active_loads%has_new(LOAD_CLOAD), active_loads%cloads)
     call find_amplitude(reader, c, parameters, amplitude)
     do while (next_row(reader%cards, row))
       is_ok = .true.
@@ -306,8 +306,10 @@ contains
     logical :: is_following, is_constant
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'OP', 'MOD') == 'NEW') then
-      call ramp_down_loads(active_loads%step, active_loads%is_step, active_loads%has_new(LOAD_DLOAD), active_loads%pressures)
-      call ramp_down_loads(active_loads%step, active_loads%is_step, active_loads%has_new(LOAD_VOLUME), active_loads%volumes)
+      call ramp_down_loads(active_loads%step, active_loads%is_step, model%dialect, active_loads%has_new(LOAD_DLOAD), &
+        active_loads%pressures)
+      call ramp_down_loads(active_loads%step, active_loads%is_step, model%dialect, active_loads%has_new(LOAD_VOLUME), &
+        active_loads%volumes)
     end if
     call find_amplitude(reader, c, parameters, amplitude)
     is_following = parameter_word(parameters, 'FOLLOWER', 'YES') == 'YES'

@@ -8,7 +8,8 @@
 !! | a velocity: kept or given | the displacement at the start of the step | after its integral over the step |
 !! | a displacement of a global model (SUBMODEL) | its current value | by the results; kept: as it is then |
 !! | kept from the last step | value at the end of that step | the same |
-!! | OP=NEW, not given again | displacement: released; load: value at the end of the last step | load: 0 |
+!! | OP=NEW, not given again | displacement: released; load: value at the end of the last step, 0 in the calculix dialect if it has |
+!! | | an amplitude of total time | load: 0 |
 !! | STEP, AMPLITUDE=STEP | the value at the end | |
 !! | a pressure of a node (PnNP) | that of the second displacement prescribed at the node | |
 !! | with an amplitude | reference value times amplitude; continues only in total time | |
@@ -17,7 +18,7 @@ module amontons_load_propagation
   use amontons_containers, only: name_table_type
   use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
     DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, DIALECT_CALCULIX
   implicit none
   private
   public :: active_loads_type, load_region_type, init_active_loads, propagate_loads, &
@@ -265,10 +266,12 @@ contains
   end function is_different
 
 
-  !> OP=NEW: ramps the loads of earlier steps to zero over this step, once in a step.
-  subroutine ramp_down_loads(step, is_step, has_new, forces)
+  !> OP=NEW: ramps the loads of earlier steps to zero over this step, once in a step. In CalculiX a load whose amplitude of total
+  !! time goes on is zero times that amplitude, which is zero from the start of the step.
+  subroutine ramp_down_loads(step, is_step, dialect, has_new, forces)
     integer, intent(in) :: step                  !< present step
     logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP
+    integer, intent(in) :: dialect               !< DIALECT_...
     logical, intent(inout) :: has_new            !< OP=NEW occurred in this step
     type(load_list_type), intent(inout) :: forces
     integer :: i
@@ -277,9 +280,9 @@ contains
     do i = 1, forces%n
       associate (force => forces%items(i))
         if (force%step == step) cycle
+        force%start = merge(0.0_DP, force%before, is_step .or. (dialect == DIALECT_CALCULIX .and. force%amplitude > 0))
         force%amplitude = 0
         force%node = 0
-        force%start = merge(0.0_DP, force%before, is_step)
         force%end = 0
         if (force%is_user) force%is_active = .false.   ! a magnitude by DLOAD cannot be ramped to zero
       end associate

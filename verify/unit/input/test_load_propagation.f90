@@ -6,7 +6,7 @@ program test_load_propagation
     release_prescribed, prescribe_dof, ramp_down_loads, add_load, find_or_add_place, get_step_loads, LOAD_CLOAD
   use amontons_loads, only: amplitude_type, prescribed_type, concentrated_type, distributed_type, DISTRIBUTED_TRACTION, &
     DISTRIBUTED_PRESSURE
-  use amontons_model, only: model_type
+  use amontons_model, only: model_type, DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_text, only: to_text
   use check, only: suite_type
   implicit none
@@ -152,8 +152,8 @@ contains
     call suite%that('two', size(forces) == 2)
     call next_step()
     call add_load(8, 4.0_DP, 0, active%step, .false., active%cloads)
-    call ramp_down_loads(active%step, .false., active%has_new(LOAD_CLOAD), active%cloads)
-    call ramp_down_loads(active%step, .false., active%has_new(LOAD_CLOAD), active%cloads)
+    call ramp_down_loads(active%step, .false., DIALECT_ABAQUS, active%has_new(LOAD_CLOAD), active%cloads)
+    call ramp_down_loads(active%step, .false., DIALECT_ABAQUS, active%has_new(LOAD_CLOAD), active%cloads)
     call get_step_loads(active, held, forces, spread_loads)
     call suite%that('OP=NEW', size(forces) == 2)
     call suite%near('ramps to zero what was there', abs(forces(1)%start - 9) + abs(forces(1)%end) + abs(forces(2)%start - 1) + &
@@ -161,7 +161,22 @@ contains
     call next_step()
     call expect_force('alone in the step after it', 1, 4.0_DP, 4.0_DP)
     call suite%that('one', size(forces) == 1)
+    call check_total_time(DIALECT_ABAQUS, 1.0_DP)
+    call check_total_time(DIALECT_CALCULIX, 0.0_DP)
   end subroutine check_forces
+
+
+  !> OP=NEW of a force whose amplitude goes on in total time: where it starts.
+  subroutine check_total_time(dialect, start)
+    integer, intent(in) :: dialect               !< DIALECT_...
+    real(DP), intent(in) :: start
+    call init_active_loads(model, active)
+    call next_step()
+    call add_load(8, 10.0_DP, 2, active%step, .false., active%cloads)
+    call next_step()
+    call ramp_down_loads(active%step, .false., dialect, active%has_new(LOAD_CLOAD), active%cloads)
+    call expect_force('amplitude of total time and OP=NEW, dialect ' // to_text(dialect), 1, start, 0.0_DP)
+  end subroutine check_total_time
 
 
   !> A force of this step: start and end.
@@ -204,7 +219,7 @@ contains
     call expect_force('at once', 1, 9.0_DP, 9.0_DP)
     call expect_held('displacement at once', 1, 3.0_DP, 3.0_DP, .false.)
     call next_step(.true.)
-    call ramp_down_loads(active%step, .true., active%has_new(LOAD_CLOAD), active%cloads)
+    call ramp_down_loads(active%step, .true., DIALECT_CALCULIX, active%has_new(LOAD_CLOAD), active%cloads)
     call expect_force('gone at once', 1, 0.0_DP, 0.0_DP)
   end subroutine check_at_once
 
