@@ -12,12 +12,13 @@ module amontons_deck_materials
     check_no_data
   use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
   use amontons_elasticity, only: elasticity_matrix
+  use amontons_plasticity, only: is_inelastic
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, is_linear_elastic, &
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
     CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
     CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, INELASTIC_NONE, INELASTIC_CRYSTAL, &
-    HISTORY_INELASTIC, HISTORY_BACK, USER_STATE
+    HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_user_routines, only: USER_NAME_LENGTH
   use amontons_text, only: upper_case, to_text, parse_integer, parse_real, NUMBER_OK
@@ -434,6 +435,7 @@ contains
         if (allocated(material%isotropic_hardening) .or. material%creep_law /= CREEP_NONE .or. has_past) &
           material%n_history = HISTORY_INELASTIC + 5
         if (allocated(material%kinematic_hardening)) material%n_history = HISTORY_BACK + 5
+        if (has_past .and. material%law == LAW_SAINT_VENANT .and. is_inelastic(material)) material%n_history = HISTORY_STRETCH
         if (material%n_inner > 0) material%n_history = material%inner_first + material%n_inner - 1
         material%is_linear_isotropic = material%elastic_kind == ELASTIC_ISOTROPIC .and. material%n_history == 0 .and. &
           .not. (material%is_corotational .or. material%cutoff_sign /= 0 .or. &

@@ -267,7 +267,7 @@ contains
 
 
   !> OP=NEW: ramps the loads of earlier steps to zero over this step, once in a step. In CalculiX a load whose amplitude of total
-  !! time goes on is zero times that amplitude, which is zero from the start of the step.
+  !! time continues is zero times that amplitude, which is zero from the start of the step.
   subroutine ramp_down_loads(step, is_step, dialect, has_new, forces)
     integer, intent(in) :: step                  !< present step
     logical, intent(in) :: is_step               !< STEP, AMPLITUDE=STEP

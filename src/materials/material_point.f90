@@ -21,7 +21,7 @@ module amontons_material_point
   use amontons_materials, only: material_type, evaluate_table, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, &
     ELASTIC_CIARLET, ELASTIC_FIBRES, is_hyperelastic, is_one_sided, is_law_of_invariants, MAX_CONSTANTS, MAX_HISTORY, &
-    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, YIELD_ROUND, INELASTIC_NONE, &
+    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, YIELD_ROUND, INELASTIC_NONE, &
     INELASTIC_LINEAR, INELASTIC_CRYSTAL_CREEP, CREEP_NONE
   use amontons_invariant_elasticity, only: invariant_law_stress, invariant_law_at_rest
   use amontons_one_sided_elasticity, only: one_sided_stress
@@ -744,7 +744,8 @@ contains
 
   !> Plasticity as in CalculiX (Simo): b is the isochoric elastic b and k the back stress, both pushed forward by F,
   !! x = b - k/G, tau = K/2 (J^2 - 1) 1 + G dev b - 2 G' sqrt(3/2) (dp + dc) n, n along dev x, G' = G tr b/3; the yield
-  !! stress is a Cauchy stress. The tangent omits terms of the order of the elastic strains: symmetric, not exact.
+  !! stress is a Cauchy stress. The tangent omits terms of the order of the elastic strains: symmetric, not exact. F is without
+  !! the volume of initial stresses and strains (HISTORY_STRETCH), which the pressure does not come from.
   !! Reference: J. C. Simo, T. J. R. Hughes, Computational Inelasticity (1998), box 9.1.
   pure subroutine evaluate_simo_law(material, moduli, point, status)
     type(material_type), intent(in) :: material
@@ -753,12 +754,16 @@ contains
     integer, intent(out) :: status                 !< STRESS_...
     type(return_mapping_type) :: back
     real(DP) :: F(3, 3), J, scale, b(6), k(6), s(6), n(6), size, modulus, flow
+    real(DP) :: stretch                            ! inelastic, of the initial state, logarithmic [-]
     integer :: return_status
-    F = (IDENTITY + point%H) / (1 + moduli%thermal(1))
+    stretch = 0
+    if (material%n_history == HISTORY_STRETCH) stretch = point%history_old(HISTORY_STRETCH)
+    F = (IDENTITY + point%H) / ((1 + moduli%thermal(1)) * exp(stretch))
     J = 1 + determinant_minus_one(F - IDENTITY)
     scale = J**(-2 / 3.0_DP)
     k = push_forward(F, point%history_old(HISTORY_BACK:HISTORY_BACK + 5)) * scale
-    b = left_cauchy_green(F - IDENTITY) + push_forward(F, tensor_exp(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5), &
+    b = left_cauchy_green(F - IDENTITY) &
+      + push_forward(F, tensor_exp(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) - stretch * VOIGT_IDENTITY, &
       -2.0_DP))                                    ! J^(2/3) b - 1
     if (point%is_output_wanted) point%strain = evaluate_output_strain(material, point%H)
     modulus = moduli%G * scale * (3 + sum(b(:3))) / 3
@@ -780,6 +785,7 @@ contains
     if (.not. (flow > 0 .and. point%is_output_wanted)) return
     call store_simo_history(F, J, b - (2 * SQRT_3_2 * modulus / (moduli%G * scale) * flow) * n, &
       k + (SQRT_2_3 * J * back%back_increment) * n, point)
+    point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 2) = point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 2) + stretch
     point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + back%plastic
     point%history(HISTORY_CEEQ) = point%history_old(HISTORY_CEEQ) + back%creep
   end subroutine evaluate_simo_law

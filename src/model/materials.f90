@@ -16,7 +16,7 @@ module amontons_materials
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
-  public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK
+  public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH
   public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE, USER_FIELD, USER_VERDICT
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
@@ -60,7 +60,8 @@ module amontons_materials
   integer, parameter :: HISTORY_CEEQ = 2        !< equivalent creep strain [-]
   integer, parameter :: HISTORY_INELASTIC = 3   !< 3 to 8: plastic and creep strain, logarithmic, reference configuration [-]
   integer, parameter :: HISTORY_BACK = 9        !< 9 to 14: back stress in the reference configuration [stress]
-  integer, parameter :: MAX_HISTORY = 14
+  integer, parameter :: HISTORY_STRETCH = 15    !< mean inelastic strain of the initial state, of Simo's law [-]
+  integer, parameter :: MAX_HISTORY = 15
   ! Further variables of materials with USDFLD only.
   integer, parameter :: USER_FIELD = 15         !< the field variable that the tables are over
   integer, parameter :: USER_VERDICT = 16       !< 1: the result of USDFLD is valid

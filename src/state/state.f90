@@ -6,7 +6,7 @@ module amontons_state
   use amontons_material_axes, only: evaluate_orientation
   use amontons_material_point, only: elastic_strain_from_stress
   use amontons_materials, only: material_type, orientation_type, ELASTIC_ISOTROPIC, HISTORY_BACK, HISTORY_CEEQ, HISTORY_INELASTIC, &
-    HISTORY_PEEQ, USER_STATE, USER_STRESS
+    HISTORY_PEEQ, HISTORY_STRETCH, USER_STATE, USER_STRESS
   use amontons_logarithmic_strain, only: tensor_exp
   use amontons_model, only: model_type, load_now, material_in_step, DIALECT_CALCULIX
   use amontons_slave_node_overrides, only: node_overrides_type
@@ -174,11 +174,28 @@ contains
         if (size(model%orientations) > 0) call find_material_frames(model, new%frame)
       end if
       if (allocated(model%initial_stress)) call apply_initial_stress(model, new)
+      call store_initial_stretch(model, new)
       if (any([(allocated(model%steps(i)%is_reactivated), i=1, size(model%steps))])) &
         allocate (new%birth_displacement(3, size(model%mesh%nodes)), source=0.0_DP)
     end associate
     call commit_fields(state)
   end subroutine create_material_state
+
+
+  !> The volume of the initial state apart, for the law that needs it: its flow changes the trace of the inelastic strain to the
+  !! second order.
+  subroutine store_initial_stretch(model, fields)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(inout) :: fields
+    integer :: e, p
+    do e = 1, model%mesh%n_elements
+      if (model%mesh%material(e) == 0) cycle
+      if (model%materials(model%mesh%material(e))%n_history /= HISTORY_STRETCH) cycle
+      do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
+        fields%history(HISTORY_STRETCH, p) = sum(fields%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 2, p)) / 3
+      end do
+    end do
+  end subroutine store_initial_stretch
 
 
   !> The length of the stored data of amplitudes by UAMP.

@@ -166,7 +166,7 @@ contains
   end subroutine check_forces
 
 
-  !> OP=NEW of a force whose amplitude goes on in total time: where it starts.
+  !> OP=NEW of a force whose amplitude continues in total time: where it starts.
   subroutine check_total_time(dialect, start)
     integer, intent(in) :: dialect               !< DIALECT_...
     real(DP), intent(in) :: start
