@@ -573,7 +573,7 @@ contains
   end function line_text
 
 
-  !> The squeezed keyword of a line, without its star.
+  !> The squeezed keyword of a line, without its star, by its present name.
   pure function keyword_key(line) result(key)
     character(*), intent(in) :: line
     character(:), allocatable :: key
@@ -581,6 +581,7 @@ contains
     comma = index(line, ',')
     if (comma == 0) comma = len(line) + 1
     key = name_key(line(index(line, '*') + 1:comma - 1))
+    if (key == 'TRANSVERSESHEAR') key = 'TRANSVERSESHEARSTIFFNESS'   ! the short name that older releases of Abaqus/CAE write
   end function keyword_key
 
 

@@ -51,6 +51,13 @@ def test_strip(run_deck: Run, tmp_path: Path, kind: str, axis: int, row: str, st
     assert tip_of_strip(run_deck, tmp_path, strip(kind, axis), section, axis) == pytest.approx(BENDING + shear, rel=0.006)
 
 
+def test_short_name(run_deck: Run, tmp_path: Path) -> None:
+    """*TRANSVERSE SHEAR, as older releases of Abaqus/CAE write it, in a part: the same as the whole name, digit for digit."""
+    section = f"{LAW}*SHELL SECTION, ELSET=E, MATERIAL=M\n{THICK}\n*TRANSVERSE SHEAR{{}}\n{SOFT}, 300., 0.\n"
+    whole, short = (tip_of_strip(run_deck, tmp_path, strip("S4"), section.format(word)) for word in (" STIFFNESS", ""))
+    assert short == whole
+
+
 def test_mixed_term(run_deck: Run, tmp_path: Path) -> None:
     """K12 couples the shear strains: at Q2 = 0 the stiffness along x is K11, since the strain 23 of the strip is free, less K12^2/K22."""
     body = strip("S4")
