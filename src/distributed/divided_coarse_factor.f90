@@ -189,33 +189,23 @@ contains
     class(divided_coarse_factor_type), intent(inout) :: self
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: pattern
-    real(DP), allocatable :: zeros(:, :)
     integer :: i
-    allocate (zeros(self%n_border, self%n_border), source=0.0_DP)
-    call full_triangle(zeros, pattern)
+    call create_triangle(self%n_border, pattern)
     call analyse(self%border_factor, pattern, [(i, i=1, self%n_border)], error)
   end subroutine analyse_border
 
 
-  !> The upper triangle of a full symmetric matrix.
-  pure subroutine full_triangle(full, matrix)
-    real(DP), intent(in) :: full(:, :)
+  !> The upper triangle of a symmetric matrix without zeros; its values are 0.
+  pure subroutine create_triangle(n, matrix)
+    integer, intent(in) :: n                       !< rows
     type(sparse_type), intent(out) :: matrix
-    integer :: i, j, p
-    associate (n => size(full, 1))
-      matrix%n_rows = n
-      matrix%n_columns = n
-      allocate (matrix%first(n + 1), matrix%column(n * (n + 1) / 2), matrix%value(n * (n + 1) / 2))
-      p = 1
-      do i = 1, n
-        matrix%first(i) = p
-        matrix%column(p:p + n - i) = [(j, j=i, n)]
-        matrix%value(p:p + n - i) = full(i:, i)
-        p = p + n - i + 1
-      end do
-      matrix%first(n + 1) = p
-    end associate
-  end subroutine full_triangle
+    integer :: i, j
+    matrix%n_rows = n
+    matrix%n_columns = n
+    matrix%first = [(1 + (i - 1) * n - (i - 1) * (i - 2) / 2, i=1, n + 1)]
+    matrix%column = [((j, j=i, n), i=1, n)]
+    allocate (matrix%value(size(matrix%column)), source=0.0_DP)
+  end subroutine create_triangle
 
 
   !> Factorizes the inner block of this rank and the border.
@@ -251,7 +241,10 @@ contains
         end associate
       end do
     end do
-    call full_triangle(schur, border)
+    call create_triangle(self%n_border, border)
+    do i = 1, self%n_border
+      border%value(border%first(i):border%first(i + 1) - 1) = schur(i:, i)
+    end do
     call factorise(self%border_factor, border, status, error=error)
     if (status == FACTOR_OK .and. .not. allocated(error)) call round_factor(self%border_factor)
   end subroutine factorise_divided

@@ -238,17 +238,7 @@ contains
   subroutine broadcast_text(text, root)
     character(*), intent(inout) :: text            !< of the same length on all ranks
     integer, intent(in) :: root                    !< the rank
-    character(1, c_char) :: bytes(len(text))
-    integer :: i
-    if (root == this_rank()) then
-      do i = 1, len(text)
-        bytes(i) = text(i:i)
-      end do
-    end if
-    call broadcast_c(bytes, int(len(text), c_int), int(root, c_int))
-    do i = 1, len(text)
-      text(i:i) = bytes(i)
-    end do
+    call broadcast_c(text, int(len(text), c_int), int(root, c_int))
   end subroutine broadcast_text
 
 
@@ -256,7 +246,7 @@ contains
   subroutine broadcast_words(words, root)
     integer(I64), allocatable, intent(inout) :: words(:)   !< in: of the rank; out: the same on all
     integer, intent(in) :: root                    !< the rank
-    character(1, c_char), allocatable :: bytes(:)
+    character(:), allocatable :: text
     real(DP) :: length(1)
     if (n_ranks_c() == 1) return
     length = 0
@@ -266,10 +256,10 @@ contains
       if (allocated(words)) deallocate (words)
       allocate (words(nint(length(1))))
     end if
-    allocate (bytes(8 * size(words)))
-    if (root == this_rank()) bytes = transfer(words, bytes)
-    call broadcast_c(bytes, size(bytes, kind=c_int), int(root, c_int))
-    if (root /= this_rank()) words = transfer(bytes, words)
+    allocate (character(8 * size(words)) :: text)
+    if (root == this_rank()) text = transfer(words, text)
+    call broadcast_text(text, root)
+    if (root /= this_rank()) words = transfer(text, words)
   end subroutine broadcast_words
 
 
