@@ -16,7 +16,7 @@ module amontons_solid_simd
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_SAINT_VENANT, HISTORY_INELASTIC
   use amontons_shape_functions, only: shape_functions, quadrature
-  use amontons_elasticity, only: MAX_DISPLACEMENT_GRADIENT
+  use amontons_elasticity, only: lame_constants, MAX_DISPLACEMENT_GRADIENT
   use amontons_element_kinds, only: element_kind_type, element_kind, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, &
     KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, N_SOLID_KINDS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
@@ -122,10 +122,7 @@ contains
     real(DP), intent(in) :: X(:, :), u(:, :)       !< (3, n_nodes) [length]
     batch%X(lane, :, :size(X, 2)) = X
     batch%u(lane, :, :size(u, 2)) = u
-    associate (E => material%youngs_modulus, nu => material%poissons_ratio)
-      batch%G(lane) = E / (2 * (1 + nu))
-      batch%lambda(lane) = E * nu / ((1 + nu) * (1 - 2 * nu))
-    end associate
+    call lame_constants(material%youngs_modulus, material%poissons_ratio, batch%lambda(lane), batch%G(lane))
   end subroutine set_batch_lane
 
 

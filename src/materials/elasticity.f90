@@ -37,15 +37,14 @@ contains
   end function small_strain_modulus
 
 
-  !> Lame's constants of a material: lambda = E nu / ((1 + nu)(1 - 2 nu)), G = E / (2 (1 + nu)).
-  pure subroutine lame_constants(material, lambda, G)
-    type(material_type), intent(in) :: material
+  !> Lame's constants of Young's modulus and Poisson's ratio: lambda = E nu / ((1 + nu)(1 - 2 nu)), G = E / (2 (1 + nu)).
+  pure subroutine lame_constants(E, nu, lambda, G)
+    real(DP), intent(in) :: E                      !< [stress]
+    real(DP), intent(in) :: nu                     !< [-]
     real(DP), intent(out) :: lambda                !< [stress]
     real(DP), intent(out) :: G                     !< [stress]
-    associate (E => material%youngs_modulus, nu => material%poissons_ratio)
-      G = E / (2 * (1 + nu))
-      lambda = E * nu / ((1 + nu) * (1 - 2 * nu))
-    end associate
+    G = E / (2 * (1 + nu))
+    lambda = E * nu / ((1 + nu) * (1 - 2 * nu))
   end subroutine lame_constants
 
 
@@ -57,7 +56,7 @@ contains
     real(DP), intent(out) :: tangent(6, 6)         !< d stress / d strain, engineering shears [stress]
     real(DP), intent(out) :: energy                !< per volume [stress]
     real(DP) :: lambda, G
-    call lame_constants(material, lambda, G)
+    call lame_constants(material%youngs_modulus, material%poissons_ratio, lambda, G)
     stress = hooke_stress(lambda, G, strain)
     energy = 0.5_DP * double_dot(stress, strain)
     tangent = isotropic_tangent(lambda, G)
@@ -89,7 +88,7 @@ contains
     tangent = 0
     call evaluate_elastic_law(material, H, principal, tau, strain, energy, status)
     if (status /= STRESS_OK) return
-    call lame_constants(material, lambda, G)
+    call lame_constants(material%youngs_modulus, material%poissons_ratio, lambda, G)
     if (material%law == LAW_SAINT_VENANT) then
       tangent = saint_venant_tangent(lambda, G, H)
     else
@@ -145,7 +144,7 @@ contains
     energy = 0
     status = check_gradient(H)
     if (status /= STRESS_OK) return
-    call lame_constants(material, lambda, G)
+    call lame_constants(material%youngs_modulus, material%poissons_ratio, lambda, G)
     if (material%law == LAW_SAINT_VENANT) then
       strain = green_strain(H)
       S = hooke_stress(lambda, G, strain)
@@ -257,10 +256,11 @@ contains
     real(DP), intent(in) :: constants(:)           !< [stress]; isotropic: E and nu
     real(DP) :: C(6, 6)                            !< 11 22 33 12 23 13, engineering shears [stress]
     integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
+    real(DP) :: lambda, G
     integer :: i, j, k
     if (kind == ELASTIC_ISOTROPIC) then
-      C = isotropic_tangent(constants(1) * constants(2) / ((1 + constants(2)) * (1 - 2 * constants(2))), &
-        constants(1) / (2 + 2 * constants(2)))
+      call lame_constants(constants(1), constants(2), lambda, G)
+      C = isotropic_tangent(lambda, G)
       return
     end if
     C = 0

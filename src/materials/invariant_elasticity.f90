@@ -19,7 +19,7 @@
 module amontons_invariant_elasticity
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
+  use amontons_elasticity, only: lame_constants, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_logarithmic_strain, only: expm1, log1p
   use amontons_materials, only: ELASTIC_CIARLET
   use amontons_tensor, only: IDENTITY, VOIGT_ROW, VOIGT_COLUMN, determinant_minus_one, invert, outer_product, pack_voigt, trace, &
@@ -86,10 +86,7 @@ contains
     real(DP), intent(in) :: constants(:)           !< as defined there
     real(DP), intent(out) :: lambda, G             !< [stress]
     if (kind == ELASTIC_CIARLET) then
-      associate (E => constants(1), nu => constants(2))
-        G = E / (2 * (1 + nu))
-        lambda = E * nu / ((1 + nu) * (1 - 2 * nu))
-      end associate
+      call lame_constants(constants(1), constants(2), lambda, G)
     else
       G = 2 * constants(1)
       lambda = 2 / constants(2) - 2 * G / 3

@@ -35,8 +35,8 @@ module amontons_material_point
   use amontons_drucker_prager_cap, only: map_cap_return
   use amontons_viscoelasticity, only: viscoelastic_stress, relax_finite_stress
   use amontons_lode_angle_return, only: principal_return_type, map_principal_return
-  use amontons_elasticity, only: hooke_stress, isotropic_tangent, isochoric_tangent, elasticity_matrix, deviator, green_strain, &
-    green_strain_of_stretch, almansi_strain, &
+  use amontons_elasticity, only: hooke_stress, lame_constants, isotropic_tangent, isochoric_tangent, elasticity_matrix, &
+    deviator, green_strain, green_strain_of_stretch, almansi_strain, &
     check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, &
     pack_voigt, push_forward, unpack_voigt, von_mises
@@ -218,8 +218,7 @@ contains
         table_argument(material, point), constants(:5))
       select case (material%elastic_kind)
       case (ELASTIC_ISOTROPIC)
-        moduli%G = constants(1) / (2 * (1 + constants(2)))
-        moduli%lambda = constants(1) * constants(2) / ((1 + constants(2)) * (1 - 2 * constants(2)))
+        call lame_constants(constants(1), constants(2), moduli%lambda, moduli%G)
       case (ELASTIC_HYPER, ELASTIC_FOAM)
         call evaluate_hyperelastic(material, constants, [0.0_DP, 0.0_DP, 0.0_DP], rest)
         moduli%G = 0.5_DP * rest%secant(1)

@@ -14,6 +14,7 @@
 !! Reference Guide, UMAT. Theory: doc/theory/materials.md.
 module amontons_user_material
   use amontons_kinds, only: DP
+  use amontons_elasticity, only: lame_constants
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_logarithmic_strain, only: voigt_transformation
   use amontons_materials, only: material_type, USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, &
@@ -257,8 +258,7 @@ contains
       if (c(1, 1) > 0) nu = max(-0.9_DP, min(0.49_DP, c(1, 2) / c(1, 1)))
       E = c(1, 1) * (1 - nu**2)
     end if
-    G = E / (2 * (1 + nu))
-    lambda = 2 * G * nu / (1 - 2 * nu)
+    call lame_constants(E, nu, lambda, G)
     c = 0
     c(:3, :3) = lambda
     do i = 1, 3

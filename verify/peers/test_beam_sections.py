@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from verify.decks.beams import Section, beam, box, circle, pipe
-from verify.peers.test_mixed_decks import run_peer
+from verify.peers.test_mixed_decks import run_both, run_peer, tables_by_both
 from verify.readers.dat_frd_files import compare_block, read_dat, read_frd
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
@@ -40,12 +40,7 @@ def test_cantilever(run_deck: Callable[..., subprocess.CompletedProcess[str]], t
     kind, section, data = CASES[name]
     deck = beam(kind, section, data, n=5) + "*BOUNDARY\n1, 1, 6\n*STEP\n*STATIC\n*CLOAD\n" + f"END, {dof}, 1.\n"
     deck += "*NODE PRINT, NSET=N\nU\n*EL PRINT, ELSET=E\nS\n*END STEP\n"
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (tmp_path / "ccx").mkdir()
-    (tmp_path / "ccx" / "job.inp").write_text(deck)
-    run_peer(tmp_path / "ccx")
-    ours, theirs = (read_dat(folder / "job.dat") for folder in (tmp_path, tmp_path / "ccx"))
+    ours, theirs = tables_by_both(run_deck, tmp_path, deck)
     assert [block.title for block in ours] == [block.title for block in theirs]
     for one, other in zip(ours, theirs, strict=True):
         assert len(one.rows) == len(other.rows)
@@ -60,12 +55,7 @@ def test_points_of_reduced_beams(run_deck: Callable[..., subprocess.CompletedPro
     deck = beam(kind, section, data, n=3).replace("*DENSITY", "*PLASTIC\n300., 0.\n400., 0.02\n*DENSITY") + "*BOUNDARY\n1, 1, 6\n"
     deck += f"*STEP, INC=100\n*STATIC, DIRECT\n0.25, 1.\n*CLOAD\nEND, 2, {force}\nEND, 3, 0.3\nEND, 4, 2.\n"
     deck += "*NODE PRINT, NSET=N\nU\n*EL PRINT, ELSET=E\nS, PEEQ\n*END STEP\n"
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (tmp_path / "ccx").mkdir()
-    (tmp_path / "ccx" / "job.inp").write_text(deck)
-    run_peer(tmp_path / "ccx")
-    ours, theirs = (read_dat(folder / "job.dat") for folder in (tmp_path, tmp_path / "ccx"))
+    ours, theirs = tables_by_both(run_deck, tmp_path, deck)
     assert [block.title for block in ours] == [block.title for block in theirs]
     assert any("equivalent plastic" in block.title and block.largest > 2e-4 for block in theirs)
     for one, other in zip(ours, theirs, strict=True):
@@ -77,11 +67,7 @@ def test_points_of_reduced_beams(run_deck: Callable[..., subprocess.CompletedPro
 def test_guided_end(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, steps: str) -> None:
     """Where a rotation is prescribed the middles of the sides of the cross-section lie between its corners; under a moment they bulge."""
     deck = beam("B32", CASES["rect"][1], n=2) + "*BOUNDARY\n1, 1, 6\n" + steps + "*NODE PRINT, NSET=N\nU\n*EL PRINT, ELSET=E\nS\n*END STEP\n"
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (tmp_path / "ccx").mkdir()
-    (tmp_path / "ccx" / "job.inp").write_text(deck)
-    run_peer(tmp_path / "ccx")
+    run_both(run_deck, tmp_path, deck)
     for one, other in zip(read_dat(tmp_path / "job.dat"), read_dat(tmp_path / "ccx" / "job.dat"), strict=True):
         assert compare_block(one, other).deviation <= 1e-5, f"{other.title}: beyond rounding and the printed digits"
 
@@ -91,12 +77,7 @@ def test_pretension(run_deck: Callable[..., subprocess.CompletedProcess[str]], t
     section = Section("RECT", ".4, .6", 0.24, 0.0, 0.0, 0.0)
     deck = beam("B31", section, n=10) + "*NODE\n999, 0., 5., 0.\n*PRE-TENSION SECTION, ELEMENT=5, NODE=999\n*BOUNDARY\n1, 1, 6\n11, 1, 6\n"
     deck += "*STEP\n*STATIC\n*CLOAD\n999, 1, 100.\n4, 2, 1.\n8, 3, 2.\n*NODE PRINT, NSET=N\nU\n*END STEP\n"
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (tmp_path / "ccx").mkdir()
-    (tmp_path / "ccx" / "job.inp").write_text(deck)
-    run_peer(tmp_path / "ccx")
-    ours, theirs = (read_dat(folder / "job.dat") for folder in (tmp_path, tmp_path / "ccx"))
+    ours, theirs = tables_by_both(run_deck, tmp_path, deck)
     assert compare_block(ours[0], theirs[0]).deviation <= 0.01, "1 % of the largest displacement"
 
 

@@ -19,8 +19,8 @@ import numpy.typing as npt
 import pytest
 
 from verify.decks.shells import Shell, held, shell
-from verify.peers.test_mixed_decks import run_peer
-from verify.readers.dat_frd_files import compare_block, read_dat
+from verify.peers.test_mixed_decks import tables_by_both
+from verify.readers.dat_frd_files import compare_block
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 
@@ -127,12 +127,7 @@ CASES: dict[str, tuple[Place, tuple[int, int], str, str, Callable[[Shell], str]]
 
 def compare_with_peer(run_deck: Callable[..., subprocess.CompletedProcess[str]], folder: Path, deck: str, allowed: dict[str, float]) -> None:
     """Every table of .dat, row by row."""
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (folder / "ccx").mkdir()
-    (folder / "ccx" / "job.inp").write_text(deck)
-    run_peer(folder / "ccx")
-    ours, theirs = (read_dat(place / "job.dat") for place in (folder, folder / "ccx"))
+    ours, theirs = tables_by_both(run_deck, folder, deck)
     assert [(b.title, b.time) for b in ours] == [(b.title, b.time) for b in theirs] and ours
     for mine, reference in zip(ours, theirs, strict=True):
         assert mine.rows.keys() == reference.rows.keys(), f"{reference.title}: elements and points are counted otherwise"

@@ -16,8 +16,8 @@ import pytest
 
 from verify.decks.membranes import membrane, membrane_section
 from verify.decks.shells import held
-from verify.peers.test_mixed_decks import run_peer
-from verify.readers.dat_frd_files import compare_block, read_dat
+from verify.peers.test_mixed_decks import tables_by_both
+from verify.readers.dat_frd_files import compare_block
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 
@@ -31,10 +31,5 @@ def test_sheet(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_pa
     mesh.kind = kind
     deck = mesh.cards() + membrane_section("*ELASTIC\n100., 0.3\n", 0.5) + held(mesh.where(0, 0.0), "1, 2") + "*BOUNDARY\nN, 3\n"
     deck += f"*STEP\n*STATIC\n*CLOAD\n{loads}*NODE PRINT, NSET=N\nU\n*END STEP\n"
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (tmp_path / "ccx").mkdir()
-    (tmp_path / "ccx" / "job.inp").write_text(deck)
-    run_peer(tmp_path / "ccx")
-    ours, theirs = (read_dat(folder / "job.dat") for folder in (tmp_path, tmp_path / "ccx"))
+    ours, theirs = tables_by_both(run_deck, tmp_path, deck)
     assert compare_block(ours[0], theirs[0]).deviation <= 0.01, "1 % of the largest displacement"

@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 
 from verify.decks import mixed_decks
-from verify.readers.dat_frd_files import Deviation, compare, read_dat
+from verify.readers.dat_frd_files import Block, Deviation, compare, read_dat
 
 CCX = shutil.which("ccx")
 CASES = mixed_decks.cases()
@@ -75,6 +75,21 @@ def run_peer(folder: Path) -> None:
     done = subprocess.run([str(CCX), "-i", "job"], cwd=folder, env=environment, capture_output=True, text=True, timeout=100)
     if done.returncode != 0:
         pytest.skip("CalculiX did not finish: " + "".join(re.findall(r".*\*ERROR.*", done.stdout)[:1]))
+
+
+def run_both(run_deck: Callable[..., subprocess.CompletedProcess[str]], folder: Path, deck: str) -> None:
+    """A deck by Amontons in a folder, which is that of run_deck, and by CalculiX in ccx below it."""
+    done = run_deck(deck, "--dialect=calculix")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (folder / "ccx").mkdir()
+    (folder / "ccx" / "job.inp").write_text(deck)
+    run_peer(folder / "ccx")
+
+
+def tables_by_both(run_deck: Callable[..., subprocess.CompletedProcess[str]], folder: Path, deck: str) -> tuple[list[Block], list[Block]]:
+    """The tables of .dat by Amontons and by CalculiX."""
+    run_both(run_deck, folder, deck)
+    return read_dat(folder / "job.dat"), read_dat(folder / "ccx" / "job.dat")
 
 
 def leave_out_residue(deviations: list[Deviation], residue: float) -> list[Deviation]:

@@ -17,8 +17,7 @@ import pytest
 from verify.decks.make_decks import block
 from verify.decks.sheets import between
 from verify.decks.solids import as_kind, node_set
-from verify.peers.test_mixed_decks import run_peer
-from verify.readers.dat_frd_files import read_dat
+from verify.peers.test_mixed_decks import tables_by_both
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 
@@ -57,12 +56,7 @@ def cube(name: str, step: str, shift: tuple[float, float, float]) -> str:
 
 def by_both(run_deck: RunDeck, folder: Path, deck: str) -> list[tuple[np.ndarray, np.ndarray]]:
     """The tables of Amontons and of CalculiX at the end of the job."""
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (folder / "ccx").mkdir()
-    (folder / "ccx" / "job.inp").write_text(deck)
-    run_peer(folder / "ccx")
-    ours, theirs = (read_dat(place / "job.dat") for place in (folder, folder / "ccx"))
+    ours, theirs = tables_by_both(run_deck, folder, deck)
     n = 1 + ("SDV" in deck)
     return [(np.array([a.rows[k][: len(b.rows[k])] for k in b.rows]), np.array(list(b.rows.values()))) for a, b in zip(ours[-n:], theirs[-n:], strict=True)]
 

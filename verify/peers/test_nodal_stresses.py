@@ -19,7 +19,7 @@ import pytest
 from verify.decks.beams import beam, box, circle, pipe, rectangle
 from verify.decks.shells import section, shell
 from verify.peers.conftest import AGREES
-from verify.peers.test_mixed_decks import CCX, run_peer
+from verify.peers.test_mixed_decks import CCX, run_both
 from verify.peers.test_static_decks import DECKS
 from verify.readers.dat_frd_files import read_frd, read_frd_places
 
@@ -50,11 +50,7 @@ def fields(path: Path) -> tuple[list[tuple[str, float, np.ndarray]], np.ndarray]
 def compare(run_deck: RunDeck, folder: Path, deck: str, only: tuple[str, ...] = ("DISP", "STRESS")) -> None:
     """Runs both and compares all fields of both."""
     deck = with_requests(deck)
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (folder / "ccx").mkdir()
-    (folder / "ccx" / "job.inp").write_text(deck)
-    run_peer(folder / "ccx")
+    run_both(run_deck, folder, deck)
     ours, places = fields(folder / "job.frd")
     theirs, wanted = fields(folder / "ccx" / "job.frd")
     near = [np.flatnonzero(np.abs(places - x).max(axis=1) < 2e-5 * np.ptp(wanted, axis=0).max()) for x in wanted]

@@ -18,7 +18,7 @@ from verify.decks.make_decks import block
 from verify.decks.shells import held, shell
 from verify.decks.sheets import between
 from verify.decks.solids import as_kind, node_set
-from verify.peers.test_mixed_decks import run_peer
+from verify.peers.test_mixed_decks import run_both, run_peer
 from verify.readers.dat_frd_files import read_dat
 
 pytestmark = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
@@ -46,11 +46,7 @@ def step_of(weights: str) -> str:
 def by_both(run_deck: RunDeck, folder: Path, deck: str) -> tuple[dict[tuple[int, ...], list[float]], dict[tuple[int, ...],
 list[float]]]:
     """The rows of the last table of Amontons and of CalculiX."""
-    done = run_deck(deck, "--dialect=calculix")
-    assert done.returncode == 0, done.stdout + done.stderr
-    (folder / "ccx").mkdir()
-    (folder / "ccx" / "job.inp").write_text(deck)
-    run_peer(folder / "ccx")
+    run_both(run_deck, folder, deck)
     ours, theirs = (read_dat(place / "job.dat")[-1].rows for place in (folder, folder / "ccx"))
     return ours, theirs
 

@@ -19,7 +19,7 @@ program test_elasticity
   call random_seed(put=[(104729 * i, i=1, n)])
   material%youngs_modulus = 7
   material%poissons_ratio = 0.3_DP
-  call lame_constants(material, lambda, G)
+  call lame_constants(material%youngs_modulus, material%poissons_ratio, lambda, G)
   call check_small()
   call check_logarithm()
   call check_hencky_closed_forms()
