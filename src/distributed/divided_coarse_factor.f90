@@ -20,7 +20,7 @@ module amontons_divided_coarse_factor
   use amontons_kinds, only: DP
   use amontons_containers, only: owners_of_entries
   use amontons_errors, only: error_type
-  use amontons_sparse, only: sparse_type, sparse_from_triplets
+  use amontons_sparse, only: sparse_type, sparse_from_triplets, sparse_sum
   use amontons_dense, only: triangular_product
   use amontons_graph_partition, only: order_unknowns
   use amontons_factorization, only: cholesky_type, analyse, factorise, round_factor, solve, elimination_order, trailing_block, &
@@ -63,9 +63,7 @@ contains
     integer, allocatable :: owner(:)
     integer :: status
     is_ready = .false.
-    call sum_matrix_over_ranks(matrix, error)
-    call share_error(error)
-    if (allocated(error)) return
+    call sum_matrix_over_ranks(matrix)
     if (n_ranks() > 1 .and. .not. is_analysed_pattern(self, matrix)) then
       call find_owners(matrix, is_held, owner)
       call divide_unknowns(self, matrix, owner, error)
@@ -84,18 +82,46 @@ contains
   end subroutine factorise_shares
 
 
-  !> The sum of a square matrix over the ranks, whose patterns may differ.
-  subroutine sum_matrix_over_ranks(matrix, error)
+  !> The sum of a square matrix over the ranks, whose patterns may differ, in pairs, pairs of pairs and so on.
+  subroutine sum_matrix_over_ranks(matrix)
     type(sparse_type), intent(inout) :: matrix
-    type(error_type), allocatable, intent(out) :: error
-    real(DP), allocatable :: row(:), column(:), value(:)
-    integer :: n
-    call join_parts(real(owners_of_entries(matrix%first), DP), row)
+    type(sparse_type), allocatable :: parts(:)
+    integer :: r, step
+    call join_matrices(matrix, parts)
+    step = 1
+    do while (step < size(parts))
+      do r = 1, size(parts) - step, 2 * step
+        parts(r) = sparse_sum(parts(r), 1.0_DP, parts(r + step))
+        parts(r + step) = sparse_type()
+      end do
+      step = 2 * step
+    end do
+    matrix = parts(1)
+  end subroutine sum_matrix_over_ranks
+
+
+  !> The matrices of all ranks.
+  subroutine join_matrices(matrix, parts)
+    type(sparse_type), intent(in) :: matrix        !< of this one, with as many rows as the others
+    type(sparse_type), allocatable, intent(out) :: parts(:)   !< (ranks)
+    real(DP), allocatable :: first(:), column(:), value(:)
+    integer :: r, n, n_before, m
+    call join_parts(real(matrix%first, DP), first)
     call join_parts(real(matrix%column, DP), column)
     call join_parts(matrix%value, value)
     n = matrix%n_rows
-    call sparse_from_triplets(n, n, nint(row), nint(column), value, matrix, error)
-  end subroutine sum_matrix_over_ranks
+    allocate (parts(n_ranks()))
+    n_before = 0
+    do r = 1, size(parts)
+      parts(r)%n_rows = n
+      parts(r)%n_columns = n
+      parts(r)%first = nint(first((r - 1) * (n + 1) + 1:r * (n + 1)))
+      m = n_before + parts(r)%first(n + 1) - 1
+      parts(r)%column = nint(column(n_before + 1:m))
+      parts(r)%value = value(n_before + 1:m)
+      n_before = m
+    end do
+  end subroutine join_matrices
 
 
   !> Divides a factor, unless the border is too large, and analyses the share of this rank. Collective.
@@ -168,7 +194,7 @@ contains
     integer, intent(in) :: n                       !< unknowns
     type(error_type), allocatable, intent(out) :: error
     integer, allocatable :: place(:), row(:), column(:), entry(:)
-    integer :: i, j, n_inner
+    integer :: i
     allocate (place(matrix%n_rows), source=0)
     place(self%unknown(:n)) = [(i, i=1, n)]
     row = place(owners_of_entries(matrix%first))
@@ -176,12 +202,40 @@ contains
     entry = pack([(i, i=1, size(row))], min(row, column) > 0)
     row = row(entry)
     column = column(entry)
-    n_inner = size(self%unknown) - self%n_border
-    call sparse_from_triplets(n, n, [min(row, column), ((i, j=i, n), i=n_inner + 1, n)], &
-      [max(row, column), ((j, j=i, n), i=n_inner + 1, n)], &
-      [real(entry, DP), ((0.0_DP, j=i, n), i=n_inner + 1, n)], self%matrix, error)
-    if (.not. allocated(error)) self%source = nint(self%matrix%value)
+    call sparse_from_triplets(n, n, min(row, column), max(row, column), real(entry, DP), self%matrix, error)
+    if (allocated(error)) return
+    call fill_border(self%matrix, size(self%unknown) - self%n_border)
+    self%source = nint(self%matrix%value)
   end subroutine take_block
+
+
+  !> Makes the rows of the border full.
+  pure subroutine fill_border(matrix, n_inner)
+    type(sparse_type), intent(inout) :: matrix     !< upper triangle; entries that are added have the value 0
+    integer, intent(in) :: n_inner                 !< rows before
+    integer, allocatable :: column(:)
+    real(DP), allocatable :: value(:)
+    integer :: i, j, p, m, n, n_border
+    n = matrix%n_rows
+    n_border = n - n_inner
+    if (n_border <= 0) return
+    m = matrix%first(n_inner + 1) - 1              ! entries of the rows before
+    allocate (column(m + n_border * (n_border + 1) / 2), value(m + n_border * (n_border + 1) / 2))
+    column(:m) = matrix%column(:m)
+    value(:m) = matrix%value(:m)
+    value(m + 1:) = 0
+    do i = n_inner + 1, n
+      column(m + 1:m + n - i + 1) = [(j, j=i, n)]
+      do p = matrix%first(i), matrix%first(i + 1) - 1
+        value(m + 1 + matrix%column(p) - i) = matrix%value(p)
+      end do
+      matrix%first(i) = m + 1
+      m = m + n - i + 1
+    end do
+    matrix%first(n + 1) = m + 1
+    call move_alloc(column, matrix%column)
+    call move_alloc(value, matrix%value)
+  end subroutine fill_border
 
 
   !> Analyses the full matrix of the border.

@@ -15,21 +15,32 @@ module amontons_domain_matrix
   private
   public :: domain_sum_type, plan_domain_sum, sum_domain
 
-  !> Plan of the sum. Contributions come rank by rank, this one in its turn.
+  !> Plan of the sum. Contributions come rank by rank, this one in its turn. Those of this rank are runs of entries that follow one
+  !! another in its part and in the domain's matrix: nearly all are in a few long ones.
   type :: domain_sum_type
     integer, allocatable :: neighbour(:)           !< (m) ranks with which entries are exchanged, from 0, ascending
     integer, allocatable :: send_first(:)          !< (m + 1) first place of a neighbour in `send`
     integer, allocatable :: send(:)                !< entries of this part that others need
-    integer, allocatable :: keep(:)                !< entries of this part in the own domain
     integer, allocatable :: receive_first(:)       !< (m + 1) first place of a neighbour in what is received
-    integer :: n_before = 0                        !< contributions of lower ranks
-    integer, allocatable :: target(:)              !< entry of the domain's matrix to which each contribution is added
+    integer, allocatable :: target(:)              !< entry of the domain's matrix for each one that is received
+    integer :: n_before = 0                        !< received from lower ranks
+    integer :: n_runs = 0                          !< of this rank's entries
+    integer, allocatable :: run(:, :)              !< (3, n_runs or more) first entry in the part and in the domain's matrix, number
   end type domain_sum_type
 
   !> Entries of a part in one domain: place in the part, row and column in the domain.
   type :: entry_list_type
     integer, allocatable :: source(:), row(:), column(:)
   end type entry_list_type
+
+  !> The domain of this rank while its pattern is found.
+  type :: domain_rows_type
+    integer, allocatable :: member(:)              !< (n) its unknowns
+    integer, allocatable :: place(:)               !< of each unknown of A in the domain; 0: outside
+    logical, allocatable :: is_listed(:)           !< (n) the part has a row of the unknown
+    type(entry_list_type) :: scattered             !< entries received (their source is 0), then those of the part below the diagonal
+    integer, allocatable :: first(:), order(:)     !< of the scattered entries of each row
+  end type domain_rows_type
 
 contains
 
@@ -41,35 +52,46 @@ contains
     integer, intent(in) :: owner(:)                !< (n) rank of each unknown, from 0
     type(halo_list_type), intent(in) :: halos
     type(sparse_type), intent(out) :: matrix       !< A on the domain, upper triangle, without values
-    type(entry_list_type) :: list
-    integer, allocatable :: place(:), send(:), n_sent(:), own_row(:), own_column(:), row(:), column(:)
-    real(DP), allocatable :: rows(:), columns(:)
-    logical, allocatable :: is_listed(:)           ! the diagonal of the own domain is listed in any case
-    integer :: r, rank
+    type(entry_list_type) :: sent
+    type(domain_rows_type) :: rows
+    integer, allocatable :: n_sent(:)
+    integer :: rank
     rank = this_rank()
-    allocate (place(part%n_rows), source=0)
-    allocate (n_sent(0:n_ranks() - 1), source=0)
-    allocate (send(0), rows(0), columns(0))
-    do r = 0, n_ranks() - 1
-      is_listed = is_held .or. r == rank
-      call list_entries(part, is_listed, list_domain(halos, owner, r), place, list)
-      if (r == rank) then
-        call move_alloc(list%source, self%keep)
-        call move_alloc(list%row, own_row)
-        call move_alloc(list%column, own_column)
-      else
-        n_sent(r) = size(list%source)
-        send = [send, list%source]
-        rows = [rows, real(list%row, DP)]
-        columns = [columns, real(list%column, DP)]
-      end if
-    end do
-    call move_alloc(send, self%send)
+    allocate (n_sent(0:n_ranks() - 1))
+    call list_sent_entries(part, is_held, owner, halos, sent, n_sent)
     call find_neighbours(self, n_sent)
-    call join_contributions(self, own_row, rows, row)
-    call join_contributions(self, own_column, columns, column)
-    call find_pattern(count(owner == rank) + halos%first(rank + 2) - halos%first(rank + 1), row, column, matrix, self%target)
+    call receive_integers(self, sent%row, rows%scattered%row)
+    call receive_integers(self, sent%column, rows%scattered%column)
+    call move_alloc(sent%source, self%send)
+    rows%member = list_domain(halos, owner, rank)
+    rows%is_listed = is_held(rows%member) .or. owner(rows%member) == rank
+    call find_pattern(self, part, rows, matrix)
   end subroutine plan_domain_sum
+
+
+  !> The entries of this part in the domains of the other ranks.
+  subroutine list_sent_entries(part, is_held, owner, halos, sent, n_sent)
+    type(sparse_type), intent(in) :: part
+    logical, intent(in) :: is_held(:)
+    integer, intent(in) :: owner(:)
+    type(halo_list_type), intent(in) :: halos
+    type(entry_list_type), intent(out) :: sent     !< rank by rank
+    integer, intent(out) :: n_sent(0:)             !< for each rank
+    type(entry_list_type) :: list
+    integer, allocatable :: place(:)
+    integer :: r
+    allocate (place(part%n_rows), source=0)
+    allocate (sent%source(0), sent%row(0), sent%column(0))
+    n_sent = 0
+    do r = 0, n_ranks() - 1
+      if (r == this_rank()) cycle
+      call list_entries(part, is_held, list_domain(halos, owner, r), place, list)
+      n_sent(r) = size(list%source)
+      sent%source = [sent%source, list%source]
+      sent%row = [sent%row, list%row]
+      sent%column = [sent%column, list%column]
+    end do
+  end subroutine list_sent_entries
 
 
   !> The entries of a part between the unknowns of a domain.
@@ -123,95 +145,160 @@ contains
   end subroutine find_neighbours
 
 
-  !> Integers of all contributions, rank by rank.
-  subroutine join_contributions(self, own, sent, all_of_them)
+  !> Integers of the entries that are received.
+  subroutine receive_integers(self, sent, list)
     type(domain_sum_type), intent(in) :: self
-    integer, allocatable, intent(inout) :: own(:)  !< in: of this rank's entries in its own domain; out: not allocated
-    real(DP), intent(in) :: sent(:)                !< of those for other ranks
-    integer, allocatable, intent(out) :: all_of_them(:)
+    integer, intent(in) :: sent(:)                 !< of those that are sent
+    integer, allocatable, intent(out) :: list(:)
     real(DP) :: received(self%receive_first(size(self%receive_first)) - 1)
-    call exchange_with_ranks(self%neighbour, self%send_first, sent, self%receive_first, received)
-    associate (n => self%n_before, m => size(own))
-      allocate (all_of_them(size(received) + m))
-      all_of_them(:n) = nint(received(:n))
-      all_of_them(n + 1:n + m) = own
-      all_of_them(n + m + 1:) = nint(received(n + 1:))
-    end associate
-    deallocate (own)
-  end subroutine join_contributions
+    call exchange_with_ranks(self%neighbour, self%send_first, real(sent, DP), self%receive_first, received)
+    list = nint(received)
+  end subroutine receive_integers
 
 
-  !> The pattern of rows and columns that may occur several times. A row whose contributions follow one another with ascending
-  !! columns, as nearly all do, is taken as it stands; the others are gathered and sorted.
-  pure subroutine find_pattern(n, row, column, matrix, target)
-    integer, intent(in) :: n                       !< unknowns
-    integer, intent(in) :: row(:), column(:)
+  !> The pattern of the domain's matrix, row by row, and the place of each contribution in it.
+  pure subroutine find_pattern(self, part, rows, matrix)
+    type(domain_sum_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: part
+    type(domain_rows_type), intent(inout) :: rows  !< in: members, and entries received
     type(sparse_type), intent(out) :: matrix       !< columns ascending
-    integer, allocatable, intent(out) :: target(:) !< entry of the matrix for each of them
-    integer, allocatable :: first(:), members(:), group(:)
-    integer :: run_first(n), run_length(n)         ! the contributions of a row as it stands; length -1: scattered
-    integer :: position(n), i, k, m
-    call find_runs(row, column, run_first, run_length)
-    allocate (group(size(row)), source=0)
-    where (run_length(row) < 0) group = row
-    call list_groups(group, n, first, members)
-    deallocate (group)
+    integer, allocatable :: columns(:), position(:)   ! of a row; entry of the matrix for each of its columns
+    integer :: i, k, n, n_columns
+    n = size(rows%member)
+    allocate (self%target(size(rows%scattered%row)), self%run(3, 0))
+    allocate (rows%place(part%n_rows), source=0)
+    rows%place(rows%member) = [(i, i=1, n)]
+    allocate (rows%scattered%source(size(self%target)), source=0)
+    call scatter_lower_entries(part, rows)
+    call list_groups(rows%scattered%row, n, rows%first, rows%order)
+    allocate (columns(n + size(rows%scattered%row)), position(n))
     matrix%n_rows = n
     matrix%n_columns = n
-    allocate (matrix%first(n + 1), matrix%column(size(row)), target(size(row)))
-    position = 0
-    m = 0
+    allocate (matrix%first(n + 1), source=1)
     do i = 1, n
-      matrix%first(i) = m + 1
-      do k = run_first(i), run_first(i) + run_length(i) - 1
-        m = m + 1
-        matrix%column(m) = column(k)
-        target(k) = m
-      end do
-      if (run_length(i) >= 0) cycle
-      do k = first(i), first(i + 1) - 1
-        associate (j => column(members(k)))
-          if (position(j) > 0) cycle
-          m = m + 1
-          position(j) = m
-          matrix%column(m) = j
-        end associate
-      end do
-      associate (columns => matrix%column(matrix%first(i):m))
-        call sort_ascending(columns)
-        position(columns) = [(k, k=matrix%first(i), m)]
-        target(members(first(i):first(i + 1) - 1)) = position(column(members(first(i):first(i + 1) - 1)))
-        position(columns) = 0
-      end associate
+      call list_columns(part, rows, i, columns, n_columns)
+      matrix%first(i + 1) = matrix%first(i) + n_columns
     end do
-    matrix%first(n + 1) = m + 1
-    matrix%column = matrix%column(:m)
+    allocate (matrix%column(matrix%first(n + 1) - 1))
+    do i = 1, n
+      call list_columns(part, rows, i, columns, n_columns)
+      associate (first => matrix%first(i))
+        matrix%column(first:first + n_columns - 1) = columns(:n_columns)
+        position(columns(:n_columns)) = [(k, k=first, first + n_columns - 1)]
+      end associate
+      call place_row(self, part, rows, i, position)
+    end do
   end subroutine find_pattern
 
 
-  !> The contributions of each row, where they follow one another with ascending columns.
-  pure subroutine find_runs(row, column, first, length)
-    integer, intent(in) :: row(:), column(:)
-    integer, intent(out) :: first(:)               !< (n) first contribution of each row
-    integer, intent(out) :: length(:)              !< (n) their number; -1: they are scattered or do not ascend
-    integer :: k
-    first = 1
-    length = 0
-    do k = 1, size(row)
-      associate (i => row(k))
-        if (length(i) == 0) then
-          first(i) = k
-          length(i) = 1
-        else if (length(i) > 0) then
-          if (first(i) + length(i) == k .and. column(first(i) + length(i) - 1) < column(k)) then
-            length(i) = length(i) + 1
-          else
-            length(i) = -1
-          end if
+  !> Adds the entries of the part that lie below the diagonal of the domain's matrix: those of the halo in columns of lower places.
+  pure subroutine scatter_lower_entries(part, rows)
+    type(sparse_type), intent(in) :: part
+    type(domain_rows_type), intent(inout) :: rows
+    integer, allocatable :: source(:), row(:), column(:)
+    integer :: pass, i, j, p, n
+    do pass = 1, 2
+      n = 0
+      do i = 1, size(rows%member)
+        if (.not. rows%is_listed(i)) cycle
+        do p = part%first(rows%member(i)), part%first(rows%member(i) + 1) - 1
+          j = rows%place(part%column(p))
+          if (j == 0 .or. j >= i) cycle
+          n = n + 1
+          if (pass == 1) cycle
+          source(n) = p
+          row(n) = j
+          column(n) = i
+        end do
+      end do
+      if (pass == 1) allocate (source(n), row(n), column(n))
+    end do
+    rows%scattered = entry_list_type([rows%scattered%source, source], [rows%scattered%row, row], [rows%scattered%column, column])
+  end subroutine scatter_lower_entries
+
+
+  !> The columns of a row of the domain's matrix, ascending.
+  pure subroutine list_columns(part, rows, i, columns, n)
+    type(sparse_type), intent(in) :: part
+    type(domain_rows_type), intent(in) :: rows
+    integer, intent(in) :: i                       !< row
+    integer, intent(inout) :: columns(:)           !< the first n are set
+    integer, intent(out) :: n
+    logical :: is_ascending
+    integer :: j, k, p
+    n = 0
+    is_ascending = rows%first(i) == rows%first(i + 1)
+    if (rows%is_listed(i)) then
+      do p = part%first(rows%member(i)), part%first(rows%member(i) + 1) - 1
+        j = rows%place(part%column(p))
+        if (j < i) cycle
+        n = n + 1
+        columns(n) = j
+        if (n > 1) is_ascending = is_ascending .and. columns(n - 1) < j
+      end do
+    end if
+    if (is_ascending) return
+    do k = rows%first(i), rows%first(i + 1) - 1
+      n = n + 1
+      columns(n) = rows%scattered%column(rows%order(k))
+    end do
+    call sort_ascending(columns(:n))
+    k = n
+    n = min(k, 1)
+    do p = 2, k
+      if (columns(p) == columns(n)) cycle
+      n = n + 1
+      columns(n) = columns(p)
+    end do
+  end subroutine list_columns
+
+
+  !> Where the contributions to a row go.
+  pure subroutine place_row(self, part, rows, i, position)
+    type(domain_sum_type), intent(inout) :: self
+    type(sparse_type), intent(in) :: part
+    type(domain_rows_type), intent(in) :: rows
+    integer, intent(in) :: i                       !< row
+    integer, intent(in) :: position(:)             !< entry of the domain's matrix for each of its columns
+    integer :: k, p
+    if (rows%is_listed(i)) then
+      do p = part%first(rows%member(i)), part%first(rows%member(i) + 1) - 1
+        if (rows%place(part%column(p)) >= i) call append_to_runs(self, p, position(rows%place(part%column(p))))
+      end do
+    end if
+    do k = rows%first(i), rows%first(i + 1) - 1
+      associate (e => rows%order(k), scattered => rows%scattered)
+        if (scattered%source(e) > 0) then
+          call append_to_runs(self, scattered%source(e), position(scattered%column(e)))
+        else
+          self%target(e) = position(scattered%column(e))
         end if
       end associate
     end do
-  end subroutine find_runs
+  end subroutine place_row
+
+
+  !> Appends an entry of the part to the last run, or begins another one.
+  pure subroutine append_to_runs(self, source, target)
+    type(domain_sum_type), intent(inout) :: self
+    integer, intent(in) :: source, target          !< entry of the part, of the domain's matrix
+    integer, allocatable :: longer(:, :)
+    if (self%n_runs > 0) then
+      associate (last => self%run(:, self%n_runs))
+        if (source == last(1) + last(3) .and. target == last(2) + last(3)) then
+          last(3) = last(3) + 1
+          return
+        end if
+      end associate
+    end if
+    if (self%n_runs == size(self%run, 2)) then
+      allocate (longer(3, 2 * self%n_runs + 8))
+      longer(:, :self%n_runs) = self%run
+      call move_alloc(longer, self%run)
+    end if
+    self%n_runs = self%n_runs + 1
+    self%run(:, self%n_runs) = [source, target, 1]
+  end subroutine append_to_runs
 
 
   !> The values of the domain's matrix; all ranks call it.
@@ -226,14 +313,14 @@ contains
     do k = 1, self%n_before
       matrix%value(self%target(k)) = matrix%value(self%target(k)) + received(k)
     end do
-    associate (n => self%n_before, m => size(self%keep))
-      do k = 1, m
-        matrix%value(self%target(n + k)) = matrix%value(self%target(n + k)) + part%value(self%keep(k))
-      end do
-      do k = n + 1, size(received)
-        matrix%value(self%target(m + k)) = matrix%value(self%target(m + k)) + received(k)
-      end do
-    end associate
+    do k = 1, self%n_runs
+      associate (p => self%run(1, k), q => self%run(2, k), n => self%run(3, k))
+        matrix%value(q:q + n - 1) = matrix%value(q:q + n - 1) + part%value(p:p + n - 1)
+      end associate
+    end do
+    do k = self%n_before + 1, size(received)
+      matrix%value(self%target(k)) = matrix%value(self%target(k)) + received(k)
+    end do
   end subroutine sum_domain
 
 end module amontons_domain_matrix

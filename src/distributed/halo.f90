@@ -74,14 +74,14 @@ contains
     type(halo_list_type), intent(out) :: self
     type(sparse_type), intent(in) :: part          !< of the matrix: upper triangle
     integer, intent(in) :: owner(:)                !< (n) rank of each unknown, from 0
-    integer, allocatable :: inside(:), outside(:), found(:), of_rank(:)
+    integer, allocatable :: found(:), of_rank(:), of_entry(:), inside(:), outside(:)
     real(DP), allocatable :: unknowns(:), ranks(:)
     integer :: r
+    call list_crossings(part, owner, of_entry, inside, outside)
     found = [integer ::]
     of_rank = [integer ::]
     do r = 0, n_ranks() - 1
-      call list_border(part, owner, r, inside, outside)
-      call append_distinct(outside, found)
+      call append_distinct(pack(outside, of_entry == r), found)
       of_rank = [of_rank, spread(r, 1, size(found) - size(of_rank))]
     end do
     call join_parts(real(found, DP), unknowns)
@@ -164,6 +164,18 @@ contains
     integer, intent(in) :: owner(:), rank
     integer, allocatable, intent(out) :: inside(:)   !< unknown of the rank
     integer, allocatable, intent(out) :: outside(:)  !< the other one
+    integer, allocatable :: of_rank(:)
+    call list_crossings(pattern, owner, of_rank, inside, outside)
+    inside = pack(inside, of_rank == rank)
+    outside = pack(outside, of_rank == rank)
+  end subroutine list_border
+
+
+  !> The entries that join unknowns of two ranks, each twice: once for each of both.
+  pure subroutine list_crossings(pattern, owner, of_rank, inside, outside)
+    type(sparse_type), intent(in) :: pattern
+    integer, intent(in) :: owner(:)
+    integer, allocatable, intent(out) :: of_rank(:), inside(:), outside(:)   !< rank, its own unknown, that of the other
     integer :: pass, n, i, p
     do pass = 1, 2
       n = 0
@@ -171,17 +183,17 @@ contains
         do p = pattern%first(i), pattern%first(i + 1) - 1
           associate (j => pattern%column(p))
             if (owner(i) == owner(j)) cycle
-            if (owner(i) /= rank .and. owner(j) /= rank) cycle
-            n = n + 1
+            n = n + 2
             if (pass == 1) cycle
-            inside(n) = merge(i, j, owner(i) == rank)
-            outside(n) = merge(j, i, owner(i) == rank)
+            of_rank(n - 1:n) = [owner(i), owner(j)]
+            inside(n - 1:n) = [i, j]
+            outside(n - 1:n) = [j, i]
           end associate
         end do
       end do
-      if (pass == 1) allocate (inside(n), outside(n))
+      if (pass == 1) allocate (of_rank(n), inside(n), outside(n))
     end do
-  end subroutine list_border
+  end subroutine list_crossings
 
 
   !> Sorts a list and drops repeated items.

@@ -660,17 +660,19 @@ contains
     integer, intent(out) :: ends(:, :)             !< (2, n_nodes)
     logical :: is_corner(mesh%n_nodes)
     type(element_kind_type) :: element
-    type(facet_kind_type) :: facet
+    type(facet_kind_type), allocatable :: facets(:)
     integer :: e, f, k, kind
     ends = 0
     is_corner = .false.
     kind = 0
     do e = 1, mesh%n_elements
-      if (mesh%kind(e) /= kind) element = element_kind(mesh%kind(e))
-      kind = mesh%kind(e)
+      if (mesh%kind(e) /= kind) then
+        kind = mesh%kind(e)
+        element = element_kind(kind)
+        facets = [(facet_kind(element%face_kind(f)), f=1, element%n_faces)]
+      end if
       do f = 1, element%n_faces
-        facet = facet_kind(element%face_kind(f))
-        associate (nodes => mesh%nodes(mesh%first(e) - 1 + element%face_nodes(:facet%n_nodes, f)))
+        associate (facet => facets(f), nodes => mesh%nodes(mesh%first(e) - 1 + element%face_nodes(:facets(f)%n_nodes, f)))
           is_corner(nodes(:facet%n_corners)) = .true.
           do k = 1, facet%n_nodes - facet%n_corners
             ends(:, nodes(facet%n_corners + k)) = nodes([k, mod(k, facet%n_corners) + 1])
