@@ -38,7 +38,7 @@ module amontons_domain_matrix
     integer, allocatable :: member(:)              !< (n) its unknowns
     integer, allocatable :: place(:)               !< of each unknown of A in the domain; 0: outside
     logical, allocatable :: is_listed(:)           !< (n) the part has a row of the unknown
-    type(entry_list_type) :: scattered             !< entries received (their source is 0), then those of the part below the diagonal
+    type(entry_list_type) :: scattered             !< entries received (source 0); those of the part below the diagonal
     integer, allocatable :: first(:), order(:)     !< of the scattered entries of each row
   end type domain_rows_type
 

@@ -4,7 +4,7 @@ module amontons_deck_faces
   use amontons_deck_reader, only: reader_type
   use amontons_containers, only: integer_list_type, list_groups, owners_of_entries
   use amontons_mesh, only: mesh_type
-  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, is_two_sided
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, is_two_sided, N_KINDS
   implicit none
   private
   public :: node_elements_type, find_free_faces, find_omitted_faces, find_side_elements, count_shared_faces
@@ -13,6 +13,7 @@ module amontons_deck_faces
   type :: node_elements_type
     integer, allocatable :: first(:)             !< (n_nodes + 1) start in elements; not there: not indexed yet
     integer, allocatable :: elements(:)
+    type(element_kind_type), allocatable :: kinds(:)   !< (N_KINDS) table of the element kinds
   end type node_elements_type
 
 contains
@@ -22,7 +23,9 @@ contains
     type(node_elements_type), intent(inout) :: faces
     type(mesh_type), intent(in) :: mesh
     integer, allocatable :: owner(:)
+    integer :: kind
     if (allocated(faces%first)) return
+    faces%kinds = [(element_kind(kind), kind=1, N_KINDS)]
     owner = owners_of_entries(mesh%first(:mesh%n_elements + 1))
     call list_groups(mesh%nodes, mesh%n_nodes, faces%first, faces%elements)
     faces%elements = owner(faces%elements)
@@ -30,15 +33,16 @@ contains
 
 
   !> The corner nodes of a face of an element.
-  pure function corner_nodes(mesh, e, face) result(corners)
+  pure function corner_nodes(faces, mesh, e, face) result(corners)
+    type(node_elements_type), intent(in) :: faces   !< indexed
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e, face
     integer, allocatable :: corners(:)
-    type(element_kind_type) :: entry
     type(facet_kind_type) :: facet
-    entry = element_kind(mesh%kind(e))
-    facet = facet_kind(entry%face_kind(face))
-    corners = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:facet%n_corners, face))
+    associate (entry => faces%kinds(mesh%kind(e)))
+      facet = facet_kind(entry%face_kind(face))
+      corners = mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:facet%n_corners, face))
+    end associate
   end function corner_nodes
 
 
@@ -49,9 +53,7 @@ contains
     integer, intent(in) :: corners(:)
     integer, intent(out) :: n, element, face     !< 0, 0, 0 if not found
     integer, intent(in), optional :: excluded     !< element that does not count
-    type(element_kind_type) :: entry
-    integer, allocatable :: found(:)
-    integer :: k, i, j
+    integer :: k, i
     n = 0
     element = 0
     face = 0
@@ -60,12 +62,10 @@ contains
         if (present(excluded)) then
           if (e == excluded) cycle
         end if
-        entry = element_kind(mesh%kind(e))
         if (is_two_sided(mesh%kind(e))) cycle   ! it hides no face
-        do i = 1, entry%n_faces
-          found = corner_nodes(mesh, e, i)
-          if (size(found) /= size(corners)) cycle
-          if (.not. all([(any(found == corners(j)), j=1, size(corners))])) cycle
+        if (.not. has_nodes(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1), corners)) cycle
+        do i = 1, faces%kinds(mesh%kind(e))%n_faces
+          if (.not. has_same_corners(faces, mesh, e, i, corners)) cycle
           n = n + 1
           if (element == 0) face = i
           if (element == 0) element = e
@@ -73,6 +73,33 @@ contains
       end associate
     end do
   end subroutine match_face
+
+
+  !> Whether some nodes are all among others.
+  pure logical function has_nodes(nodes, wanted)
+    integer, intent(in) :: nodes(:), wanted(:)
+    integer :: j
+    has_nodes = .false.
+    do j = 1, size(wanted)
+      if (.not. any(nodes == wanted(j))) return
+    end do
+    has_nodes = .true.
+  end function has_nodes
+
+
+  !> Whether a face has given corner nodes, in any order.
+  pure logical function has_same_corners(faces, mesh, e, face, corners)
+    type(node_elements_type), intent(in) :: faces   !< indexed
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e, face, corners(:)
+    type(facet_kind_type) :: facet
+    associate (entry => faces%kinds(mesh%kind(e)))
+      facet = facet_kind(entry%face_kind(face))
+      has_same_corners = facet%n_corners == size(corners)
+      if (has_same_corners) has_same_corners = &
+        has_nodes(mesh%nodes(mesh%first(e) - 1 + entry%face_nodes(:facet%n_corners, face)), corners)
+    end associate
+  end function has_same_corners
 
 
   !> How many of some faces another element shares.
@@ -85,7 +112,7 @@ contains
     if (any(mesh%nodes < 1)) return
     call index_faces(faces, mesh)
     do i = 1, size(element)
-      call match_face(faces, mesh, corner_nodes(mesh, element(i), face(i)), n, e, f)
+      call match_face(faces, mesh, corner_nodes(faces, mesh, element(i), face(i)), n, e, f)
       if (n > 1) n_hidden = n_hidden + 1
     end do
   end function count_shared_faces
@@ -98,15 +125,13 @@ contains
     integer, intent(in) :: members(:)            !< elements
     integer, allocatable, intent(out) :: element(:), face(:)
     type(integer_list_type) :: elements, numbers
-    type(element_kind_type) :: entry
     integer :: i, k, n, e, f
     allocate (element(0), face(0))
     if (any(mesh%nodes < 1)) return              ! an element with a missing node: already reported
     call index_faces(faces, mesh)
     do i = 1, size(members)
-      entry = element_kind(mesh%kind(members(i)))
-      do k = 1, entry%n_faces
-        call match_face(faces, mesh, corner_nodes(mesh, members(i), k), n, e, f)
+      do k = 1, faces%kinds(mesh%kind(members(i)))%n_faces
+        call match_face(faces, mesh, corner_nodes(faces, mesh, members(i), k), n, e, f)
         if (n /= 1 .and. .not. is_two_sided(mesh%kind(members(i)))) cycle
         call elements%add(members(i))
         call numbers%add(k)
@@ -160,7 +185,6 @@ contains
     logical, intent(out) :: is_cut_through       !< .false.: a path leads around the edge of the faces to their other side
     type(node_elements_type) :: faces
     type(integer_list_type) :: reached
-    type(element_kind_type) :: entry
     integer :: beyond(size(element)), i, k, n, other, f
     logical :: is_given(6, mesh%n_elements), is_on(mesh%n_nodes), is_reached(mesh%n_elements)
     call index_faces(faces, mesh)
@@ -169,18 +193,17 @@ contains
     is_reached = .false.
     do i = 1, size(element)
       is_given(face(i), element(i)) = .true.
-      is_on(corner_nodes(mesh, element(i), face(i))) = .true.
-      call match_face(faces, mesh, corner_nodes(mesh, element(i), face(i)), n, beyond(i), f, excluded=element(i))
+      is_on(corner_nodes(faces, mesh, element(i), face(i))) = .true.
+      call match_face(faces, mesh, corner_nodes(faces, mesh, element(i), face(i)), n, beyond(i), f, excluded=element(i))
       if (.not. is_reached(element(i))) call reached%add(element(i))
       is_reached(element(i)) = .true.
     end do
     i = 0
     do while (i < reached%n)                     ! the list grows meanwhile
       i = i + 1
-      entry = element_kind(mesh%kind(reached%items(i)))
-      do k = 1, entry%n_faces
-        if (is_given(k, reached%items(i)) .or. .not. any(is_on(corner_nodes(mesh, reached%items(i), k)))) cycle
-        call match_face(faces, mesh, corner_nodes(mesh, reached%items(i), k), n, other, f, excluded=reached%items(i))
+      do k = 1, faces%kinds(mesh%kind(reached%items(i)))%n_faces
+        if (is_given(k, reached%items(i)) .or. .not. any(is_on(corner_nodes(faces, mesh, reached%items(i), k)))) cycle
+        call match_face(faces, mesh, corner_nodes(faces, mesh, reached%items(i), k), n, other, f, excluded=reached%items(i))
         if (other == 0) cycle
         if (.not. is_reached(other)) call reached%add(other)
         is_reached(other) = .true.

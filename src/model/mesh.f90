@@ -112,15 +112,17 @@ contains
     logical, allocatable :: is_used(:)
     type(element_kind_type) :: entry
     logical :: is_plane
-    integer :: e, i
+    integer :: e, i, kind
     allocate (is_used(0:mesh%n_nodes), source=.false.)   ! 0: node missing in the deck; its error is reported elsewhere
     is_used(mesh%nodes) = .true.
     mesh%has_elements = is_used(1:)
     mesh%is_unstiffened = spread(mesh%has_elements, 1, 3)
     if (allocated(mesh%is_expanded)) mesh%is_unstiffened(:, :size(mesh%is_expanded)) = &
       mesh%is_unstiffened(:, :size(mesh%is_expanded)) .and. .not. spread(mesh%is_expanded, 1, 3)
+    kind = 0
     do e = 1, mesh%n_elements
-      entry = element_kind(mesh%kind(e))
+      if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
+      kind = mesh%kind(e)
       do i = mesh%first(e), mesh%first(e + 1) - 1
         if (mesh%nodes(i) == 0) cycle
         associate (is_idle => mesh%is_unstiffened(:, mesh%nodes(i)))
@@ -132,8 +134,10 @@ contains
         end associate
       end do
     end do
+    kind = 0
     do e = 1, mesh%n_elements
-      entry = element_kind(mesh%kind(e))
+      if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
+      kind = mesh%kind(e)
       is_plane = any(entry%family == [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_RIGID])
       if (allocated(mesh%is_in_plane)) is_plane = is_plane .or. mesh%is_in_plane(e)
       if (.not. is_plane) cycle

@@ -339,7 +339,7 @@ contains
     integer, intent(in), optional :: index(:)       !< number of each of the first rows in the model; default: that of the row
     character(12) :: number
     integer :: i, row, n
-    if (all(ieee_is_finite(reals))) return
+    if (count(.not. abs(reals) <= huge(1.0_DP)) == 0) return   ! vectorized, unlike ieee_is_finite
     n = 0
     do i = 1, size(columns)
       if (columns(i)%is_integer) cycle
