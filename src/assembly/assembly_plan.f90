@@ -37,6 +37,7 @@ module amontons_assembly_plan
     type(skew_part_type) :: skew                           !< unsymmetric part of the tangent
     integer, allocatable :: graph_first(:)            !< (n_nodes + 1) neighbours j >= i of each node i, itself first
     integer, allocatable :: graph_node(:)
+    logical, allocatable :: is_idle(:)                !< (n_nodes) no element and no group adds to the rows of the node
     integer, allocatable :: pair_first(:)             !< (n_elements + 1) start of an element's node pairs
     integer, allocatable :: pair_offset(:)            !< position of the pair's block in the row of its lower node, from 0
     integer, allocatable :: group_first(:)            !< (n_groups + 1) start of each group in element_order
@@ -63,6 +64,9 @@ contains
     assembly%rules = create_batch_rules()
     call order_elements(assembly, mesh, error)
     if (allocated(error)) return
+    allocate (assembly%is_idle(mesh%n_nodes), source=.true.)
+    assembly%is_idle(mesh%nodes) = .false.
+    if (present(coupled_nodes)) assembly%is_idle(coupled_nodes) = .false.
     if (present(is_deferred)) then
       if (is_deferred) return
     end if

@@ -207,6 +207,8 @@ contains
       is_matrix_free=size(model%steps) > 0 .and. all([(is_matrix_free_step(model%steps(i)), i=1, size(model%steps))]), &
       is_deferred=system%is_dividable)
     if (allocated(error)) return
+    system%reduced_system%is_idle = [(system%assembly%is_idle((i + 2) / 3), i=1, 3 * model%mesh%n_nodes)]
+    system%skin%robin%is_idle = system%reduced_system%is_idle
     system%has_no_element = find_unconnected(model, absent_elements(model, 1))
     system%rotation_length = find_rotation_lengths(model)
   end subroutine prepare_nonlinear_mpcs
@@ -238,9 +240,11 @@ contains
     integer, allocatable :: turning(:)
     integer :: i
     call starts%add(1)
-    do i = 1, n_nonlinear_mpcs(model)
-      call add_group(list_hessian_nodes(model%nonlinear_mpcs(i)))
-    end do
+    if (any(model%steps%is_nlgeom)) then           ! else the second derivatives do not count
+      do i = 1, n_nonlinear_mpcs(model)
+        call add_group(list_hessian_nodes(model%nonlinear_mpcs(i)))
+      end do
+    end if
     turning = list_follower_nodes(model)
     do i = 1, size(turning)
       call add_group([turning(i), model%rotation_of(turning(i))])

@@ -58,6 +58,7 @@ module amontons_reduced_system
   !> A, and its factor or preconditioner.
   type :: reduced_system_type
     type(reduction_type) :: reduction
+    logical, allocatable :: is_idle(:)             !< (n_unknowns) no element adds to its row and column of K
     type(sparse_type) :: matrix                    !< A, or its part of this rank
     logical :: is_divided = .false.                !< A is the sum of `matrix` over the ranks
     integer, allocatable :: rank_of(:)             !< (n_elements) of each element, from 0, if A is divided
@@ -270,7 +271,7 @@ contains
       .and. (has_springs .eqv. allocated(self%analysed_with_springs%first))
     if (is_known .and. has_springs) is_known = is_same_pattern(stiffness, self%analysed_with_springs)
     if (is_known) return
-    call analyse_reduction(stiffness, constraints%transformation, self%reduction, self%matrix, error)
+    call analyse_reduction(stiffness, constraints%transformation, self%reduction, self%matrix, error, self%is_idle)
     if (allocated(error)) return
     call choose_solver(self, constraints, mesh, error)
     if (allocated(error)) return
@@ -630,16 +631,11 @@ contains
     type(constraints_type), intent(in) :: constraints
     type(mesh_type), intent(in) :: mesh
     type(error_type), allocatable, intent(out) :: error
-    integer, allocatable :: of_element(:), part(:), axis(:)
+    integer, allocatable :: of_node(:), part(:), axis(:)
     real(DP), allocatable :: position(:, :)
-    integer :: of_node(mesh%n_nodes), ends_of_node(2, mesh%n_nodes), n_parts, e, i, f
-    call aggregate_elements(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, &
-      elements_of_part(mesh%n_elements, mesh%n_nodes), of_element, n_parts, error)
+    integer :: ends_of_node(2, mesh%n_nodes), n_parts, i, f
+    call divide_nodes(constraints, mesh, of_node, n_parts, error)
     if (allocated(error)) return
-    of_node = 1
-    do e = 1, mesh%n_elements
-      of_node(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = of_element(e)
-    end do
     allocate (part(constraints%n_free), axis(constraints%n_free), position(3, constraints%n_free))
     do i = 1, constraints%n_unknowns
       f = constraints%free_of(i)
@@ -652,6 +648,42 @@ contains
     call find_edge_ends(mesh, ends_of_node)
     if (any(ends_of_node > 0)) call offer_corner_space(coarse_space, ends_of_unknowns(constraints, ends_of_node))
   end subroutine create_subdomains
+
+
+  !> The part of each node: that of one of its elements. A node without elements (a reference node, one of rotations) is a part of
+  !! its own: what depends on it moves as it does. Parts without free unknowns do not count.
+  subroutine divide_nodes(constraints, mesh, of_node, n_parts, error)
+    type(constraints_type), intent(in) :: constraints
+    type(mesh_type), intent(in) :: mesh
+    integer, allocatable, intent(out) :: of_node(:)   !< (n_nodes) 0: no free unknown
+    integer, intent(out) :: n_parts
+    type(error_type), allocatable, intent(out) :: error
+    integer, allocatable :: of_element(:), number(:)
+    logical :: is_free(mesh%n_nodes)
+    integer :: e, i
+    call aggregate_elements(mesh%n_elements, mesh%first, mesh%nodes, mesh%n_nodes, &
+      elements_of_part(mesh%n_elements, mesh%n_nodes), of_element, n_parts, error)
+    if (allocated(error)) return
+    allocate (of_node(mesh%n_nodes), source=0)
+    do e = 1, mesh%n_elements
+      of_node(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = of_element(e)
+    end do
+    is_free = [(any(constraints%free_of(3 * i - 2:3 * i) > 0), i=1, mesh%n_nodes)]
+    do i = 1, mesh%n_nodes
+      if (of_node(i) > 0 .or. .not. is_free(i)) cycle
+      n_parts = n_parts + 1
+      of_node(i) = n_parts
+    end do
+    where (.not. is_free) of_node = 0
+    allocate (number(0:n_parts), source=0)
+    number(of_node) = 1
+    number(0) = 0
+    do i = 1, n_parts
+      number(i) = number(i - 1) + number(i)
+    end do
+    where (is_free) of_node = number(of_node)
+    n_parts = number(n_parts)
+  end subroutine divide_nodes
 
 
   !> The ends of the edge of each mid-side node; 0 for others. A node at the corner of any element is none.

@@ -23,7 +23,7 @@ module amontons_matrix_reduction
     private
     integer :: n_entries_k = 0                 !< of K, to recognise a wrong matrix
     integer :: n_entries_c = 0                 !< of C
-    integer, allocatable :: direct(:)          !< (n_rows) row of A of a direct unknown, else 0
+    integer, allocatable :: direct(:)          !< (n_rows) row of A of a direct unknown, else 0; IDLE: without stiffness, not direct
     integer, allocatable :: row(:)             !< rows of K that have expanded entries
     integer, allocatable :: row_first(:)       !< (size(row) + 1) start of a row's entries in entry(:)
     integer, allocatable :: entry(:)           !< expanded entries of K
@@ -31,6 +31,8 @@ module amontons_matrix_reduction
     integer, allocatable :: slot(:)            !< column of s for each entry of C_j, for each expanded entry of K
     integer, allocatable :: target(:)          !< entry of A for each entry of C_i with each column of s; negative: counts twice
   end type reduction_type
+
+  integer, parameter :: IDLE = -1
 
   !> A list of integers that grows.
   type :: growing_list_type
@@ -48,18 +50,21 @@ contains
 
   !> Prepares A = C' K C: the pattern of A and the target of every product. C has a row for each unknown of K: empty for a
   !> fixed one, one entry for a free one, several for a dependent one. Entries of C may be zero: they stay in the pattern of A.
+  !> Unknowns without stiffness, as reference nodes have them, add nothing, however many others they depend on.
   !> Cost: a few passes over K and A.
-  subroutine analyse_reduction(matrix, transformation, reduction, reduced, error)
+  subroutine analyse_reduction(matrix, transformation, reduction, reduced, error, is_idle)
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle (n x n)
     type(sparse_type), intent(in) :: transformation  !< C (n x m)
     type(reduction_type), intent(out) :: reduction
     type(sparse_type), intent(out) :: reduced  !< A, upper triangle (m x m), diagonal present, without values
     type(error_type), allocatable, intent(out) :: error
+    logical, intent(in), optional :: is_idle(:)   !< (n) the row and the column of K are zero always
     if (matrix%n_rows /= transformation%n_rows .or. matrix%n_columns /= matrix%n_rows) then
       call set_error(error, EXIT_INTERNAL, 'Matrix and relation of a reduction do not fit together.')
       return
     end if
     reduction%direct = direct_rows(transformation)
+    if (present(is_idle)) where (is_idle .and. reduction%direct == 0) reduction%direct = IDLE
     call reduced_pattern(matrix, transformation, reduction%direct, reduced, error)
     if (allocated(error)) return
     reduction%n_entries_k = size(matrix%column)
@@ -72,7 +77,7 @@ contains
   !! share blocks of rows.
   subroutine reduced_pattern(matrix, transformation, direct, reduced, error)
     type(sparse_type), intent(in) :: matrix, transformation
-    integer, intent(in) :: direct(:)           !< (n) as direct_rows
+    integer, intent(in) :: direct(:)           !< (n) as in reduction_type
     type(sparse_type), intent(out) :: reduced
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: dependents, mirrored
@@ -85,7 +90,7 @@ contains
     reduced%n_columns = n
     allocate (reduced%first(n + 1), blocks((n + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK))
     !$omp parallel
-    call list_columns(matrix, mirrored, dependents, transformation, reduced%first, blocks)
+    call list_columns(matrix, mirrored, dependents, transformation, direct, reduced%first, blocks)
     !$omp end parallel
     if (any(blocks%is_full) .or. sum(int(blocks%n, I64)) >= int(huge(n), I64)) then
       call set_too_large(error)
@@ -108,11 +113,12 @@ contains
 
 
   !> One thread's share of the blocks. (A procedure: gfortran 12 frees no allocatable variable of a block within a parallel region.)
-  subroutine list_columns(matrix, mirrored, dependents, transformation, n_entries, blocks)
+  subroutine list_columns(matrix, mirrored, dependents, transformation, direct, n_entries, blocks)
     type(sparse_type), intent(in) :: matrix         !< K
     type(sparse_type), intent(in) :: mirrored       !< its transposed entries
     type(sparse_type), intent(in) :: dependents     !< C'
     type(sparse_type), intent(in) :: transformation !< C
+    integer, intent(in) :: direct(:)                !< (n) as in reduction_type
     integer, intent(inout) :: n_entries(:)          !< (n_columns + 1) entries of row a of A behind a; the first is not set
     type(growing_list_type), intent(inout) :: blocks(:)
     integer, allocatable :: seen(:)
@@ -127,6 +133,7 @@ contains
         seen(a) = a
         call blocks(k)%append(a)
         do d = dependents%first(a), dependents%first(a + 1) - 1
+          if (direct(dependents%column(d)) == IDLE) cycle
           call append_columns_above(matrix, dependents%column(d), transformation, a, seen, blocks(k))
           call append_columns_above(mirrored, dependents%column(d), transformation, a, seen, blocks(k))
         end do
@@ -159,7 +166,7 @@ contains
   pure function mirror_entries(matrix, transformation, direct) result(mirrored)
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle
     type(sparse_type), intent(in) :: transformation   !< C
-    integer, intent(in) :: direct(:)           !< (n) as direct_rows
+    integer, intent(in) :: direct(:)           !< (n) as in reduction_type
     type(sparse_type) :: mirrored              !< pattern only
     integer :: next(matrix%n_rows), i, j, p
     mirrored%n_rows = matrix%n_rows
@@ -264,6 +271,7 @@ contains
       do p = matrix%first(i), matrix%first(i + 1) - 1
         associate (j => matrix%column(p))
           if (reduction%direct(i) > 0 .and. reduction%direct(j) > 0) cycle
+          if (reduction%direct(i) == IDLE .or. reduction%direct(j) == IDLE) cycle
           if (width(i) > 0 .and. width(j) > 0) call entries%append(p)
         end associate
       end do
@@ -373,7 +381,7 @@ contains
 
   !> Adds the entries of K in the row of a direct unknown and in columns of others to the row of A.
   pure subroutine add_direct_row(direct, matrix, transformation, i, reduced)
-    integer, intent(in) :: direct(:)           !< (n) as direct_rows
+    integer, intent(in) :: direct(:)           !< (n) as in reduction_type
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle
     type(sparse_type), intent(in) :: transformation   !< C
     integer, intent(in) :: i
@@ -384,7 +392,7 @@ contains
     q = reduced%first(direct(i))
     do p = matrix%first(i), matrix%first(i + 1) - 1
       associate (j => matrix%column(p))
-        if (direct(j) == 0) cycle
+        if (direct(j) <= 0) cycle
         do while (reduced%column(q) < direct(j))
           q = q + 1
         end do

@@ -16,6 +16,7 @@ program test_matrix_reduction
     call test_reduction(SIZES(k), (2 * SIZES(k) + 2) / 3)
   end do
   call test_reduction(6, 0)
+  call test_idle(40, 27)
   call test_errors()
   call suite%finish()
 
@@ -108,6 +109,36 @@ contains
       dense_c = dense_of(c)
     end do
   end subroutine test_reduction
+
+
+  !> Unknowns without stiffness add nothing, not even to the pattern: the same product, from fewer entries.
+  subroutine test_idle(n, m)
+    integer, intent(in) :: n, m
+    type(sparse_type) :: k, c, a, whole
+    type(reduction_type) :: reduction
+    type(error_type), allocatable :: error
+    real(DP), allocatable :: dense_k(:, :), dense_c(:, :), expected(:, :)
+    logical :: is_idle(n)
+    integer :: i, p
+    call random_symmetric(n, k, dense_k)
+    call random_relation(n, m, c, dense_c)
+    is_idle = [(mod(i, 3) == 0, i=1, n)]
+    do i = 1, n
+      do p = k%first(i), k%first(i + 1) - 1
+        if (is_idle(i) .or. is_idle(k%column(p))) k%value(p) = 0
+      end do
+    end do
+    dense_k = dense_of(full_from_upper(k))
+    call analyse_reduction(k, c, reduction, whole, error)
+    call analyse_reduction(k, c, reduction, a, error, is_idle)
+    call suite%that('idle unknowns: fewer entries', size(a%column) < size(whole%column))
+    call suite%that('idle unknowns: diagonal first', all(a%column(a%first(:m)) == [(i, i=1, m)]))
+    call reduce_matrix(reduction, k, c, a, error)
+    call suite%that('idle unknowns: no error', .not. allocated(error))
+    expected = matmul(transpose(dense_c), matmul(dense_k, dense_c))
+    call suite%near('idle unknowns: C''KC of the dense matrices', maxval(abs(upper_part(expected) - dense_of(a))), 0.0_DP, &
+      0.5_DP * epsilon(1.0_DP) * real(n + 2, DP) * max(1.0_DP, maxval(abs(expected))))
+  end subroutine test_idle
 
 
   !> The upper triangle of a matrix, 0 below.
