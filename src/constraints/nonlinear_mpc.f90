@@ -44,6 +44,8 @@ module amontons_nonlinear_mpc
 contains
 
   !> Adds the rows of all nonlinear MPCs at u. Errors: rows that contradict rows of higher priority (EXIT_SETUP).
+  !! Rows with a free unknown of their own node come first: they are short. If the node depends on others, as a slave of a tie
+  !! does, these would enter the expressions of the reference node, and with it each row that follows.
   subroutine add_nonlinear_mpcs(base, model, u, is_nlgeom, violation, error)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
@@ -52,30 +54,54 @@ contains
     real(DP), intent(out) :: violation             !< largest |g| over the size of its constraint [-]
     type(error_type), allocatable, intent(out) :: error
     type(constraint_row_type), allocatable :: rows(:)
-    character(12) :: line
-    integer :: i, k, n, row_status
+    logical, allocatable :: is_added(:)            ! of all rows
+    integer :: pass, i, k, n, n_rows
     real(DP) :: mpc_size
     violation = 0.0_DP
-    n = 0
-    do i = 1, n_nonlinear_mpcs(model)
-      associate (mpc => model%nonlinear_mpcs(i))
-        call evaluate_mpc_rows(mpc, model%mesh%coordinates, u, is_nlgeom, rows)
-        mpc_size = find_mpc_size(mpc, model%mesh%coordinates)
-        do k = 1, size(rows)
-          n = n + 1
-          rows(k)%tag = TAG_MPC + n
-          violation = max(violation, abs(rows(k)%rhs) / mpc_size)
-          call add_constraint_row(base, rows(k), merge(3, size(rows(k)%unknown), mpc%kind <= MPC_STRAIGHT), &
-            1.0e-6_DP * mpc_size, row_status)
-          if (row_status /= ROW_CONFLICT) cycle
-          write (line, '(i0)') mpc%line
-          call set_error(error, EXIT_SETUP, 'The *' // mpc%card // ' of line ' // trim(line) // ' contradicts the ' // &
-            'boundary conditions of its nodes or the constraints before it. Release one of them.')
-          return
-        end do
-      end associate
+    allocate (is_added(sum([(count_rows(model%nonlinear_mpcs(i)), i=1, n_nonlinear_mpcs(model))])), source=.false.)
+    do pass = 1, 2
+      n = 0
+      do i = 1, n_nonlinear_mpcs(model)
+        associate (mpc => model%nonlinear_mpcs(i))
+          n_rows = count_rows(mpc)
+          if (.not. all(is_added(n + 1:n + n_rows))) then
+            call evaluate_mpc_rows(mpc, model%mesh%coordinates, u, is_nlgeom, rows)
+            mpc_size = find_mpc_size(mpc, model%mesh%coordinates)
+            do k = 1, n_rows
+              violation = max(violation, abs(rows(k)%rhs) / mpc_size)
+              rows(k)%tag = TAG_MPC + n + k
+              if (.not. is_added(n + k)) call add_row_of_mpc(base, mpc, rows(k), mpc_size, pass == 1, is_added(n + k), error)
+              if (allocated(error)) return
+            end do
+          end if
+          n = n + n_rows
+        end associate
+      end do
     end do
   end subroutine add_nonlinear_mpcs
+
+
+  !> Adds a row, if it may be added now.
+  subroutine add_row_of_mpc(base, mpc, row, mpc_size, is_free_needed, is_added, error)
+    type(constraints_type), intent(inout) :: base
+    type(nonlinear_mpc_type), intent(in) :: mpc
+    type(constraint_row_type), intent(in) :: row
+    real(DP), intent(in) :: mpc_size               !< [length]
+    logical, intent(in) :: is_free_needed          !< only if an unknown of its own node is free
+    logical, intent(out) :: is_added
+    type(error_type), allocatable, intent(out) :: error
+    character(12) :: line
+    integer :: n_candidates, row_status
+    n_candidates = merge(3, size(row%unknown), mpc%kind <= MPC_STRAIGHT)
+    is_added = .not. is_free_needed
+    if (is_free_needed) is_added = any(base%owner(row%unknown(:n_candidates)) == 0)
+    if (.not. is_added) return
+    call add_constraint_row(base, row, n_candidates, 1.0e-6_DP * mpc_size, row_status)
+    if (row_status /= ROW_CONFLICT) return
+    write (line, '(i0)') mpc%line
+    call set_error(error, EXIT_SETUP, 'The *' // mpc%card // ' of line ' // trim(line) // ' contradicts the ' // &
+      'boundary conditions of its nodes or the constraints before it. Release one of them.')
+  end subroutine add_row_of_mpc
 
 
   !> Converts rotations to displacements and moments to forces: half the size of the model at nodes with rotations, 1 at all others.
