@@ -66,13 +66,11 @@ contains
           n_rows = count_rows(mpc)
           if (.not. all(is_added(n + 1:n + n_rows))) then
             call evaluate_mpc_rows(mpc, model%mesh%coordinates, u, is_nlgeom, rows)
+            rows%tag = TAG_MPC + [(k, k=n + 1, n + n_rows)]
             mpc_size = find_mpc_size(mpc, model%mesh%coordinates)
-            do k = 1, n_rows
-              violation = max(violation, abs(rows(k)%rhs) / mpc_size)
-              rows(k)%tag = TAG_MPC + n + k
-              if (.not. is_added(n + k)) call add_row_of_mpc(base, mpc, rows(k), mpc_size, pass == 1, is_added(n + k), error)
-              if (allocated(error)) return
-            end do
+            violation = max(violation, maxval(abs(rows%rhs)) / mpc_size)
+            call add_mpc_rows(base, mpc, rows, mpc_size, pass == 1, is_added(n + 1:n + n_rows), error)
+            if (allocated(error)) return
           end if
           n = n + n_rows
         end associate
@@ -81,27 +79,30 @@ contains
   end subroutine add_nonlinear_mpcs
 
 
-  !> Adds a row, if it may be added now.
-  subroutine add_row_of_mpc(base, mpc, row, mpc_size, is_free_needed, is_added, error)
+  !> Adds the rows of one constraint that may be added now.
+  subroutine add_mpc_rows(base, mpc, rows, mpc_size, is_free_needed, is_added, error)
     type(constraints_type), intent(inout) :: base
     type(nonlinear_mpc_type), intent(in) :: mpc
-    type(constraint_row_type), intent(in) :: row
+    type(constraint_row_type), intent(in) :: rows(:)
     real(DP), intent(in) :: mpc_size               !< [length]
-    logical, intent(in) :: is_free_needed          !< only if an unknown of its own node is free
-    logical, intent(out) :: is_added
+    logical, intent(in) :: is_free_needed          !< only rows that have a free unknown of their own node
+    logical, intent(inout) :: is_added(:)          !< of the rows
     type(error_type), allocatable, intent(out) :: error
     character(12) :: line
-    integer :: n_candidates, row_status
-    n_candidates = merge(3, size(row%unknown), mpc%kind <= MPC_STRAIGHT)
-    is_added = .not. is_free_needed
-    if (is_free_needed) is_added = any(base%owner(row%unknown(:n_candidates)) == 0)
-    if (.not. is_added) return
-    call add_constraint_row(base, row, n_candidates, 1.0e-6_DP * mpc_size, row_status)
-    if (row_status /= ROW_CONFLICT) return
-    write (line, '(i0)') mpc%line
-    call set_error(error, EXIT_SETUP, 'The *' // mpc%card // ' of line ' // trim(line) // ' contradicts the ' // &
-      'boundary conditions of its nodes or the constraints before it. Release one of them.')
-  end subroutine add_row_of_mpc
+    integer :: k, n_candidates, row_status
+    do k = 1, size(rows)
+      if (is_added(k)) cycle
+      n_candidates = merge(3, size(rows(k)%unknown), mpc%kind <= MPC_STRAIGHT)
+      if (is_free_needed .and. all(base%owner(rows(k)%unknown(:n_candidates)) /= 0)) cycle
+      is_added(k) = .true.
+      call add_constraint_row(base, rows(k), n_candidates, 1.0e-6_DP * mpc_size, row_status)
+      if (row_status /= ROW_CONFLICT) cycle
+      write (line, '(i0)') mpc%line
+      call set_error(error, EXIT_SETUP, 'The *' // mpc%card // ' of line ' // trim(line) // ' contradicts the ' // &
+        'boundary conditions of its nodes or the constraints before it. Release one of them.')
+      return
+    end do
+  end subroutine add_mpc_rows
 
 
   !> Converts rotations to displacements and moments to forces: half the size of the model at nodes with rotations, 1 at all others.

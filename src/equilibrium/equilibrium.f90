@@ -240,11 +240,9 @@ contains
     integer, allocatable :: turning(:)
     integer :: i
     call starts%add(1)
-    if (any(model%steps%is_nlgeom)) then           ! else the second derivatives do not count
-      do i = 1, n_nonlinear_mpcs(model)
-        call add_group(list_hessian_nodes(model%nonlinear_mpcs(i)))
-      end do
-    end if
+    do i = 1, n_nonlinear_mpcs(model)              ! second derivatives, which count under NLGEOM
+      if (any(model%steps%is_nlgeom)) call add_group(list_hessian_nodes(model%nonlinear_mpcs(i)))
+    end do
     turning = list_follower_nodes(model)
     do i = 1, size(turning)
       call add_group([turning(i), model%rotation_of(turning(i))])

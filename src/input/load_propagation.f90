@@ -8,8 +8,8 @@
 !! | a velocity: kept or given | the displacement at the start of the step | after its integral over the step |
 !! | a displacement of a global model (SUBMODEL) | its current value | by the results; kept: as it is then |
 !! | kept from the last step | value at the end of that step | the same |
-!! | OP=NEW, not given again | displacement: released; load: value at the end of the last step, 0 in the calculix dialect if it has |
-!! | | an amplitude of total time | load: 0 |
+!! | OP=NEW, not given again | displacement: released; load: value at the end of the last step, in the calculix dialect 0 if it |
+!! | | has an amplitude of total time | load: 0 |
 !! | STEP, AMPLITUDE=STEP | the value at the end | |
 !! | a pressure of a node (PnNP) | that of the second displacement prescribed at the node | |
 !! | with an amplitude | reference value times amplitude; continues only in total time | |
