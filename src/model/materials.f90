@@ -63,15 +63,15 @@ module amontons_materials
   integer, parameter :: HISTORY_STRETCH = 15    !< mean inelastic strain of the initial state, of Simo's law [-]
   integer, parameter :: MAX_HISTORY = 15
   ! Further variables of materials with USDFLD only.
-  integer, parameter :: USER_FIELD = 15         !< the field variable that the tables are over
-  integer, parameter :: USER_VERDICT = 16       !< 1: the result of USDFLD is valid
+  integer, parameter :: USER_FIELD = MAX_HISTORY + 1       !< the field variable that the tables are over
+  integer, parameter :: USER_VERDICT = USER_FIELD + 1      !< 1: the result of USDFLD is valid
   ! Further variables of user materials only; components 11 22 33 12 13 23, in the local axes of the orientation if given.
-  integer, parameter :: USER_STRESS = 15        !< 15 to 20: Cauchy stress [stress]
-  integer, parameter :: USER_STRAIN = 21        !< 21 to 26: STRAN, engineering shears [-]
-  integer, parameter :: USER_GRADIENT = 27      !< 27 to 35: displacement gradient, column by column [-]
-  integer, parameter :: USER_ENERGY = 36        !< 36 to 38: SSE, SPD, SCD [stress]
-  integer, parameter :: USER_ROTATION = 39          !< 39 to 47: rotation of the local axes since the start, less 1 [-]
-  integer, parameter :: USER_STATE = 48         !< from here on: STATEV, of USDFLD, too
+  integer, parameter :: USER_STRESS = MAX_HISTORY + 1      !< six: Cauchy stress [stress]
+  integer, parameter :: USER_STRAIN = USER_STRESS + 6      !< six: STRAN, engineering shears [-]
+  integer, parameter :: USER_GRADIENT = USER_STRAIN + 6    !< nine: displacement gradient, column by column [-]
+  integer, parameter :: USER_ENERGY = USER_GRADIENT + 9    !< three: SSE, SPD, SCD [stress]
+  integer, parameter :: USER_ROTATION = USER_ENERGY + 3    !< nine: rotation of the local axes since the start, less 1 [-]
+  integer, parameter :: USER_STATE = USER_ROTATION + 9     !< from here on: STATEV, of USDFLD, too
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 

@@ -22,7 +22,7 @@ program test_deck_viscoelasticity
   associate (material => model%materials(1))
     call suite%near('E', material%youngs_modulus, 200.0_DP, 0.0_DP)
     call suite%near('second term', norm2(material%prony(:, 2) - [0.4_DP, 0.1_DP, 7.0_DP]), 0.0_DP, 0.0_DP)
-    call suite%that('state', material%n_inner == 21 .and. material%inner_first == 15 .and. material%n_history == 35 .and. .not. &
+    call suite%that('state', material%n_inner == 21 .and. material%inner_first == 16 .and. material%n_history == 36 .and. .not. &
       material%is_linear_isotropic)
   end associate
   call read(SERIES // '*ELASTIC;200.,.3;', model, text)

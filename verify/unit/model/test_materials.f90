@@ -4,8 +4,8 @@ program test_materials
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, evaluate_table, evaluate_curves, &
     evaluate_curve, find_interval, law_name, LAW_SAINT_VENANT, ELASTIC_ORTHOTROPIC, ELASTIC_FOAM, ELASTIC_HYPER, HYPER_OGDEN, &
-    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, MAX_HISTORY, USER_STRESS, USER_STRAIN, USER_GRADIENT, &
-    USER_ENERGY, USER_ROTATION, USER_STATE, MAX_CONSTANTS, MAX_HYPER_ORDER, CREEP_TIME_HARDENING
+    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, MAX_HISTORY, USER_STRESS, USER_STRAIN, &
+    USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE, MAX_CONSTANTS, MAX_HYPER_ORDER, CREEP_TIME_HARDENING
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -79,7 +79,7 @@ contains
   !> Rows of the history follow each other without a gap; the largest polynomial has its constants.
   subroutine check_rows()
     call suite%that('history', HISTORY_PEEQ == 1 .and. HISTORY_CEEQ == 2 .and. HISTORY_INELASTIC == 3 &
-      .and. HISTORY_BACK == HISTORY_INELASTIC + 6 .and. MAX_HISTORY == HISTORY_BACK + 5)
+      .and. HISTORY_BACK == HISTORY_INELASTIC + 6 .and. HISTORY_STRETCH == HISTORY_BACK + 6 .and. MAX_HISTORY == HISTORY_STRETCH)
     call suite%that('of a user', USER_STRESS == MAX_HISTORY + 1 .and. USER_STRAIN == USER_STRESS + 6 &
       .and. USER_GRADIENT == USER_STRAIN + 6 .and. USER_ENERGY == USER_GRADIENT + 9 .and. USER_ROTATION == USER_ENERGY + 3 &
       .and. USER_STATE == USER_ROTATION + 9)
