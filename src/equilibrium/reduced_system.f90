@@ -650,8 +650,8 @@ contains
   end subroutine create_subdomains
 
 
-  !> The part of each node: that of one of its elements. A node without elements (a reference node, one of rotations) is a part of
-  !! its own: what depends on it moves as it does. Parts without free unknowns do not count.
+  !> The part of each node: that of one of its elements. A node without elements that is free in all directions (a reference node,
+  !! one of rotations) is a part of its own: what depends on it moves as it does. Parts without free unknowns do not count.
   subroutine divide_nodes(constraints, mesh, of_node, n_parts, error)
     type(constraints_type), intent(in) :: constraints
     type(mesh_type), intent(in) :: mesh
@@ -671,6 +671,8 @@ contains
     is_free = [(any(constraints%free_of(3 * i - 2:3 * i) > 0), i=1, mesh%n_nodes)]
     do i = 1, mesh%n_nodes
       if (of_node(i) > 0 .or. .not. is_free(i)) cycle
+      of_node(i) = 1
+      if (any(constraints%free_of(3 * i - 2:3 * i) == 0)) cycle
       n_parts = n_parts + 1
       of_node(i) = n_parts
     end do
