@@ -213,28 +213,18 @@ contains
   pure subroutine fill_border(matrix, n_inner)
     type(sparse_type), intent(inout) :: matrix     !< upper triangle; entries that are added have the value 0
     integer, intent(in) :: n_inner                 !< rows before
-    integer, allocatable :: column(:)
-    real(DP), allocatable :: value(:)
-    integer :: i, j, p, m, n, n_border
-    n = matrix%n_rows
-    n_border = n - n_inner
-    if (n_border <= 0) return
-    m = matrix%first(n_inner + 1) - 1              ! entries of the rows before
-    allocate (column(m + n_border * (n_border + 1) / 2), value(m + n_border * (n_border + 1) / 2))
-    column(:m) = matrix%column(:m)
-    value(:m) = matrix%value(:m)
-    value(m + 1:) = 0
-    do i = n_inner + 1, n
-      column(m + 1:m + n - i + 1) = [(j, j=i, n)]
-      do p = matrix%first(i), matrix%first(i + 1) - 1
-        value(m + 1 + matrix%column(p) - i) = matrix%value(p)
+    type(sparse_type) :: border
+    integer :: i, p, m
+    call create_triangle(matrix%n_rows - n_inner, border)
+    do i = 1, border%n_rows
+      do p = matrix%first(n_inner + i), matrix%first(n_inner + i + 1) - 1
+        border%value(border%first(i) + matrix%column(p) - n_inner - i) = matrix%value(p)
       end do
-      matrix%first(i) = m + 1
-      m = m + n - i + 1
     end do
-    matrix%first(n + 1) = m + 1
-    call move_alloc(column, matrix%column)
-    call move_alloc(value, matrix%value)
+    m = matrix%first(n_inner + 1) - 1              ! entries of the rows before
+    matrix%column = [matrix%column(:m), n_inner + border%column]
+    matrix%value = [matrix%value(:m), border%value]
+    matrix%first(n_inner + 1:) = m + border%first
   end subroutine fill_border
 
 
