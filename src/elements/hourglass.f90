@@ -13,8 +13,9 @@
 !! flows the stress follows: `hourglass_flow`.
 !!
 !! The calculix dialect uses Flanagan and Belytschko's artificial stiffness, as CalculiX: W = k/2 sum |sum_a 8 gamma_a alpha u_a|^2
-!! with k = 0.0005 E V sum |grad N_a|^2, which is far softer. (CalculiX 2.20 omits the first two coordinates in the
-!! orthogonalization of gamma to linear fields; here gamma is orthogonal to all.)
+!! with k = 0.0005 M V sum |grad N_a|^2, which is far softer. M is E of an isotropic elastic material, of all others the first entry
+!! of their present tangent (`artificial_modulus`). (CalculiX 2.20 omits the first two coordinates in the orthogonalization of gamma
+!! to linear fields; here gamma is orthogonal to all.)
 !!
 !! References: D. P. Flanagan, T. Belytschko, A uniform strain hexahedron and quadrilateral with orthogonal hourglass
 !! control, Int. J. Numer. Meth. Engng 17 (1981) 679-706; T. Belytschko, L. P. Bindeman, Assumed strain stabilization of
@@ -25,9 +26,11 @@ module amontons_hourglass
   use amontons_kinds, only: DP
   use amontons_tensor, only: IDENTITY, invert, unpack_voigt, VOIGT_ROW, VOIGT_COLUMN
   use amontons_element_kinds, only: MAX_ELEMENT_NODES
+  use amontons_materials, only: material_type, is_isotropic_elastic, LAW_SAINT_VENANT
   implicit none
   private
   public :: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  public :: has_present_modulus, artificial_modulus
   public :: hourglass_amplitudes, hourglass_strain, MAX_HOURGLASS_SAMPLES
   public :: add_thickness_stabilization
 
@@ -108,10 +111,10 @@ contains
 
   !> Replaces M by CalculiX's stiffness. CalculiX models a plane element as a hexahedron of one layer: its mode moves both sides
   !! equally, and it has gradients across.
-  pure subroutine set_artificial_hourglass(hourglass, volume, c, thickness_gradients, n_sectors)
+  pure subroutine set_artificial_hourglass(hourglass, volume, modulus, thickness_gradients, n_sectors)
     type(hourglass_type), intent(inout) :: hourglass
     real(DP), intent(in) :: volume                 !< [length^3]
-    real(DP), intent(in) :: c(6, 6)                !< elastic tangent at rest [stress]
+    real(DP), intent(in) :: modulus                !< M, of `artificial_modulus` [stress]
     real(DP), intent(in) :: thickness_gradients(:)              !< plane: (nodes) mean gradients along the third axis, of either
                                                                 !! side [1/length]
     real(DP), intent(in) :: n_sectors              !< of the circle, 1 for all but axisymmetric elements
@@ -119,13 +122,43 @@ contains
     integer :: i
     k = sum(hourglass%gradient(:hourglass%n, :hourglass%d)**2)
     if (hourglass%d == 2) k = 0.5_DP * k + 2 * sum(thickness_gradients**2)
-    k = ARTIFICIAL_HOURGLASS_FACTOR * uniaxial_modulus(c, 1, 2, 3) * (volume / n_sectors) * k
+    k = ARTIFICIAL_HOURGLASS_FACTOR * modulus * (volume / n_sectors) * k
     hourglass%matrix = 0
     do i = 1, 3 * MAX_MODES
       hourglass%matrix(i, i) = 64 * k * n_sectors
     end do
     hourglass%tangent = hourglass%matrix
   end subroutine set_artificial_hourglass
+
+
+  !> Whether the hourglass stiffness of a material needs its present tangent.
+  pure logical function has_present_modulus(material) result(has)
+    type(material_type), intent(in) :: material
+    has = material%law == LAW_SAINT_VENANT .and. .not. is_isotropic_elastic(material)
+  end function has_present_modulus
+
+
+  !> M of the artificial stiffness, as CalculiX takes it: the first constant of the elasticity that it has at a point. That is E of
+  !! an isotropic elastic material; of all others the derivative of the second Piola-Kirchhoff stress 11 by Green's strain 11 in
+  !! global axes, of the present state. It falls where the material flows, and varies with the stretch of rubber. The stiffness
+  !! leaves its derivative out: the mean strain does not depend on the modes, so that this costs an iteration at most.
+  pure real(DP) function artificial_modulus(material, at_rest, tangent, H) result(modulus)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: at_rest(6, 6)          !< tangent at rest, engineering shears [stress]
+    real(DP), intent(in) :: tangent(6, 6)          !< present one, if has_present_modulus; spatial at finite strain [stress]
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient; zero at small strain [-]
+    real(DP) :: inverse(3, 3), det, row(6)
+    integer :: p
+    if (.not. has_present_modulus(material)) then
+      modulus = uniaxial_modulus(at_rest, 1, 2, 3)
+      return
+    end if
+    call invert(IDENTITY + H, inverse, det)
+    do p = 1, 6
+      row(p) = merge(1.0_DP, 2.0_DP, p <= 3) * inverse(1, VOIGT_ROW(p)) * inverse(1, VOIGT_COLUMN(p))
+    end do
+    modulus = dot_product(row, matmul(tangent, row))
+  end function artificial_modulus
 
 
   !> M of the hexahedron. With P_alpha = J^T p_alpha the strains in natural components are

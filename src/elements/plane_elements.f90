@@ -15,7 +15,8 @@ module amontons_plane_elements
   use amontons_kinds, only: DP, PI
   use amontons_zero_stress_condition, only: solve_zero_stress, evaluate_initial_tangent, CONDITION_NONE, CONDITION_PLANE_STRESS
   use amontons_hourglass_flow, only: load_hourglass_flow, store_hourglass_flow
-  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces
+  use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
+    has_present_modulus, artificial_modulus
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_element_integration_points, only: integration_points_type, set_point_input, store_point_output, &
@@ -53,6 +54,8 @@ module amontons_plane_elements
     real(DP) :: mean(2 * MAX_PLANE_NODES)                      !< mean of B^T 1 over the (current) volume [1/length]
     real(DP) :: at_rest(MAX_PLANE_NODES, 2)                    !< dN_a/dX of the first point [1/length]
     real(DP) :: reference_hoop(4)                       !< N_a/X of the first point [1/length]
+    logical :: is_one_point = .false.
+    real(DP) :: modulus = 0                             !< of the artificial hourglass stiffness, of a kind with one point [stress]
   end type plane_geometry_type
 
 contains
@@ -85,7 +88,7 @@ contains
       stiffness(:3 * geometry%n, :3 * geometry%n) = 0
       call integrate_stiffness(entry%is_mean_dilatation, geometry, B, tau, c, stiffness)
     end if
-    if (is_one_point(kind)) call add_hourglass_control(entry, material, X, u, is_nlgeom, geometry, force, points, stiffness)
+    if (geometry%is_one_point) call add_hourglass_control(entry, material, X, u, is_nlgeom, geometry, force, points, stiffness)
   end subroutine evaluate_plane_element
 
 
@@ -103,7 +106,8 @@ contains
     integer :: rule, p, a
     status = ELEMENT_OK
     rule = kind
-    if (is_one_point(kind)) rule = KIND_CPE4_FULL
+    geometry%is_one_point = is_one_point(kind)
+    if (geometry%is_one_point) rule = KIND_CPE4_FULL
     geometry%n = entry%n_nodes
     geometry%hoop = 0
     call quadrature(rule, geometry%m, xi, w)
@@ -127,7 +131,7 @@ contains
       end if
       if (.not. geometry%reference(p) > 0) status = ELEMENT_DEGENERATE
     end do
-    if (is_one_point(kind) .and. status == ELEMENT_OK) call average_gradients(geometry)
+    if (geometry%is_one_point .and. status == ELEMENT_OK) call average_gradients(geometry)
     call set_point_temperature_weights(entry, xi, geometry)
     geometry%at_rest = geometry%gradient(:, :, 1)
     geometry%reference_hoop = geometry%hoop(:4, 1)
@@ -272,12 +276,12 @@ contains
   end subroutine set_mean_dilatation
 
 
-  !> Stress, tangent and point values at all points.
+  !> Stress, tangent and point values at all points; the modulus of the hourglass stiffness.
   pure subroutine evaluate_stresses(entry, material, is_nlgeom, geometry, tau, c, points, status)
     type(element_kind_type), intent(in) :: entry
     type(material_type), intent(in) :: material
     logical, intent(in) :: is_nlgeom
-    type(plane_geometry_type), intent(in) :: geometry
+    type(plane_geometry_type), intent(inout) :: geometry       !< modulus changes
     real(DP), intent(out) :: tau(4, MAX_PLANE_POINTS), c(4, 4, MAX_PLANE_POINTS)
     type(integration_points_type), intent(inout) :: points
     integer, intent(out) :: status                 !< ELEMENT_...
@@ -287,6 +291,7 @@ contains
     do p = 1, geometry%m
       call set_point_input(material, points, p, geometry%weight(:geometry%n, p), point)
       point%H = geometry%H(:, :, p)
+      if (geometry%is_one_point .and. has_present_modulus(material)) point%is_tangent_wanted = .true.
       call solve_zero_stress(stress_condition(entry), material, is_nlgeom, point, status)
       if (status /= STRESS_OK) exit
       call split_unsymmetric_tangent(material, point, points, p)
@@ -295,8 +300,27 @@ contains
       call store_point_output(material, is_nlgeom, point, points, p)
       points%volume(p) = geometry%reference(p)
     end do
+    if (status == STRESS_OK .and. geometry%is_one_point .and. material%law == LAW_SAINT_VENANT) &
+      call find_artificial_modulus(stress_condition(entry), material, is_nlgeom, points, point, geometry%modulus)
     if (status /= STRESS_OK) status = merge(ELEMENT_INVERTED, ELEMENT_NOT_FINITE, status == STRESS_INVERTED)
   end subroutine evaluate_stresses
+
+
+  !> The modulus of the artificial hourglass stiffness: of the law in space, in plane stress too, at the strains that it has found.
+  pure subroutine find_artificial_modulus(condition, material, is_nlgeom, points, point, modulus)
+    integer, intent(in) :: condition               !< CONDITION_...
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    type(integration_points_type), intent(in) :: points
+    type(material_point_type), intent(inout) :: point       !< in: with H, the past and the tangent
+    real(DP), intent(out) :: modulus               !< [stress]
+    real(DP) :: c(6, 6)
+    integer :: status
+    call evaluate_initial_tangent(CONDITION_NONE, material, is_nlgeom, 4, points, c)
+    if (condition /= CONDITION_NONE .and. has_present_modulus(material)) &
+      call solve_zero_stress(CONDITION_NONE, material, is_nlgeom, point, status)
+    modulus = artificial_modulus(material, c, point%tangent, merge(point%H, 0.0_DP, is_nlgeom))
+  end subroutine find_artificial_modulus
 
 
   !> Plane stress: the normal strain across the thickness is free.
@@ -443,12 +467,12 @@ contains
     call evaluate_initial_tangent(stress_condition(entry), material, is_nlgeom, 4, points, c)
     call set_physical_hourglass(2, X, geometry%at_rest, geometry%reference(1), c, hourglass)
     if (material%law == LAW_SAINT_VENANT) then
-      call evaluate_initial_tangent(CONDITION_NONE, material, is_nlgeom, 4, points, c)
       if (entry%family == FAMILY_AXISYMMETRIC) then
-        call set_artificial_hourglass(hourglass, geometry%reference(1), c, N_CIRCLE_SECTORS / (2 * PI) * geometry%reference_hoop, &
-          real(N_CIRCLE_SECTORS, DP))
+        call set_artificial_hourglass(hourglass, geometry%reference(1), geometry%modulus, N_CIRCLE_SECTORS / (2 * PI) &
+          * geometry%reference_hoop, real(N_CIRCLE_SECTORS, DP))
       else
-        call set_artificial_hourglass(hourglass, geometry%reference(1), c, geometry%N_a(:4, 1) / points%section_value, 1.0_DP)
+        call set_artificial_hourglass(hourglass, geometry%reference(1), geometry%modulus, geometry%N_a(:4, 1) &
+          / points%section_value, 1.0_DP)
       end if
       call add_hourglass_forces(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
     else

@@ -13,7 +13,7 @@ module amontons_solid_elements
     halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part, N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, &
     TOL_MODE_FORCE_ACCEPTABLE
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
-    add_thickness_stabilization
+    add_thickness_stabilization, has_present_modulus, artificial_modulus
   use amontons_hourglass_flow, only: load_hourglass_flow, store_hourglass_flow
   use amontons_materials, only: material_type, LAW_SAINT_VENANT
   use amontons_material_point, only: material_point_type, update_material_point
@@ -385,7 +385,7 @@ contains
 
 
   !> C3D8R: the mean of the gradients replaces those of all points; the energy of the hourglass modes is added
-  !! to that of the point.
+  !! to that of the point. The artificial stiffness may need the present tangent.
   pure subroutine evaluate_one_point(material, X, u, is_nlgeom, force, points, status, stiffness)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: X(:, :), u(:, :)
@@ -397,7 +397,7 @@ contains
     type(kinematics_type) :: kinematics
     type(hourglass_type) :: hourglass
     real(DP) :: mean(MAX_ELEMENT_NODES, 3), volume, tau(6, MAX_ELEMENT_POINTS), tangent(6, 6, MAX_ELEMENT_POINTS), c(6, 6), energy
-    real(DP) :: temperature_weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    real(DP) :: temperature_weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS), modulus
     integer :: p
     force = 0
     call set_solid_temperature_weights(KIND_C3D8R, temperature_weight, points%walls)
@@ -412,19 +412,20 @@ contains
     kinematics%reference(1) = volume
     kinematics%current(1) = volume
     call update_kinematics(KIND_C3D8R, u, is_nlgeom, kinematics, status)
-    if (status == ELEMENT_OK) call evaluate_material(KIND_C3D8R, material, is_nlgeom, present(stiffness), kinematics, tau, &
-      tangent, &
-      points, status)
+    if (status == ELEMENT_OK) call evaluate_material(KIND_C3D8R, material, is_nlgeom, present(stiffness) .or. &
+      has_present_modulus(material), kinematics, tau, tangent, points, status)
     if (status /= ELEMENT_OK) return
+    call evaluate_initial_tangent(CONDITION_NONE, material, is_nlgeom, 8, points, c)
+    if (material%law == LAW_SAINT_VENANT) modulus = artificial_modulus(material, c, tangent(:, :, 1), merge(kinematics%H(:, :, 1), &
+      0.0_DP, is_nlgeom))
     call integrate_forces(8, 1, .false., kinematics, tau, force)
     if (present(stiffness)) then
       if (.not. is_nlgeom) tau = 0
       call integrate_stiffness(8, 1, .false., kinematics, tau, tangent, stiffness)
     end if
-    call evaluate_initial_tangent(CONDITION_NONE, material, is_nlgeom, 8, points, c)
     call set_physical_hourglass(3, X, mean(:8, :), volume, c, hourglass)
     if (material%law == LAW_SAINT_VENANT) then
-      call set_artificial_hourglass(hourglass, volume, c, [real(DP) ::], 1.0_DP)
+      call set_artificial_hourglass(hourglass, volume, modulus, [real(DP) ::], 1.0_DP)
       call add_hourglass_forces(hourglass, u, .false., energy, force, stiffness)   ! |q|^2 is free of rotations
     else
       call load_hourglass_flow(material, points, hourglass)

@@ -11,7 +11,7 @@ module amontons_materials
   public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
     ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, is_linear_elastic, is_hyperelastic, &
-    is_one_sided, is_law_of_invariants, has_no_energy
+    is_one_sided, is_law_of_invariants, is_isotropic_elastic, has_no_energy
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
@@ -248,6 +248,15 @@ contains
     type(material_type), intent(in) :: material
     is_linear_elastic = any(material%elastic_kind == [ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC])
   end function is_linear_elastic
+
+
+  !> Whether a material is elastic by E and nu alone, constant or over a temperature.
+  pure logical function is_isotropic_elastic(material) result(is_true)
+    type(material_type), intent(in) :: material
+    is_true = material%elastic_kind == ELASTIC_ISOTROPIC .and. material%creep_law == CREEP_NONE .and. .not. (material%is_user .or. &
+      material%has_deformation_plasticity .or. allocated(material%isotropic_hardening) .or. &
+      allocated(material%kinematic_hardening) .or. allocated(material%prony))
+  end function is_isotropic_elastic
 
 
   !> Whether a material is rubber or foam.

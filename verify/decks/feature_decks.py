@@ -161,8 +161,6 @@ def flow_cases() -> Iterator[tuple[str, str]]:
     out = PRINTS.replace("S, E", "S, E, PEEQ, SDV")
     static = "*STATIC, DIRECT\n.25, 1.\n"
     for kind in KINDS:
-        if kind == "C3D8R":
-            continue  # under its other hourglass forces
         body = Part("A", kind, (0, 0, 0), (3, 1, 1), (3, 2, 2))
         model = bodies(body) + "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*PLASTIC\n300., 0.\n400., .02\n450., .1\n" + sections("A") + "*BOUNDARY\nA_X0N, 1, 3\n"
         for name, option in options(f"flow-{kind}"):
@@ -196,6 +194,29 @@ TABULAR = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n0., -1.E-4\n10., 0.\
 TIED = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n1.E5\n*FRICTION\n1., 5.E4\n"
 RUB = "*FRICTION\n.3, 2.E4\n"
 NODES, FACES_TYPE = "NODE TO SURFACE", "SURFACE TO SURFACE"
+
+
+ONE_POINT_LAWS = {
+    "elastic": "*ELASTIC\n10000., .3\n",
+    "plastic": "*ELASTIC\n10000., .3\n*PLASTIC\n50., 0.\n100., .1\n",
+    "creep": "*ELASTIC\n10000., .3\n*CREEP, LAW=NORTON\n1.E-6, 2., 0.\n",
+    "orthotropic": "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n10000., 5000., 2000., .3, .25, .2, 2500., 3000.\n2000.\n",
+    "rubber": "*HYPERELASTIC, MOONEY-RIVLIN\n800., 200., .0005\n",
+}
+
+
+def one_point_cases() -> Iterator[tuple[str, str]]:
+    """A row of single elements with one point, stretched and pushed aside, which nothing resists but their hourglass stiffness."""
+    for kind in ("C3D8R", "CPS4R", "CPE4R", "CAX4R"):
+        for law, cards in ONE_POINT_LAWS.items():
+            ends = ((0, 0, 0), (3, 1, 1), (3, 1, 1)) if kind == "C3D8R" else ((1, 0), (4, 1), (3, 1))
+            body = Part("A", kind, *ends)
+            model = bodies(body) + f"*MATERIAL, NAME=EL\n{cards}" + sections("A") + f"*BOUNDARY\nA_X0N, 1, {2 + (kind == 'C3D8R')}\n"
+            static = "*VISCO, CETOL=.01, DIRECT\n.1, 1.\n" if law == "creep" else "*STATIC, DIRECT\n.25, 1.\n"
+            out = "*NODE PRINT, NSET=NALL\nU\n*EL PRINT, ELSET=EALL\nS, E\n*NODE FILE\nU\n*EL FILE\nS, E\n"
+            for name, option in options(f"one-point-{kind}-{law}"):
+                if law != "rubber" or option:
+                    yield name, model + step(f"*BOUNDARY\nA_X1N, 1, 1, {.3 if law == 'rubber' else .03}\n*CLOAD\nA_X1N, 2, {2. if law == 'rubber' else .2}\n" + out, option, static)
 
 
 def contact_cases() -> Iterator[tuple[str, str]]:
@@ -303,7 +324,7 @@ def changed_cases() -> Iterator[tuple[str, str]]:
         yield name, model + step("*BOUNDARY\n900, 2, 2, 50.\n*DLOAD\n" + faces + PRINTS, option, static)
 
 
-FAMILIES = [changed_cases, output_cases, amplitude_cases, tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, contact_cases]
+FAMILIES = [changed_cases, output_cases, amplitude_cases, tie_cases, pretension_cases, ring_cases, line_cases, reference_cases, flow_cases, one_point_cases, contact_cases]
 
 
 def cases() -> dict[str, str]:

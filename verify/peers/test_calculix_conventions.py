@@ -183,6 +183,41 @@ def test_hourglass_stiffness(tables: Callable[..., list[Block]], nlgeom: str) ->
         assert force.rows[(node,)][0] == pytest.approx(sign * 0.00075 * 1000 * 8 * d, rel=1e-6)
 
 
+def rubber_modulus(stretch: float, c10: float = 200.0, d1: float = 2e-3) -> float:
+    """dS11/dE11 of neo-Hooke rubber stretched along x alone: 4 d2W/dC11^2."""
+
+    def energy(c: float) -> float:
+        return c10 * ((c + 2) * c ** (-1 / 3) - 3) + (math.sqrt(c) - 1) ** 2 / d1
+
+    c, h = stretch**2, 1e-4
+    return 4 * (energy(c + h) - 2 * energy(c) + energy(c - h)) / h**2
+
+
+ALONG = "*SOLID SECTION, ELSET=E, MATERIAL=M\n"
+AXES = "*ORIENTATION, NAME=O\n0., 1., 0., -1., 0., 0.\n*SOLID SECTION, ELSET=E, MATERIAL=M, ORIENTATION=O\n"
+PLASTIC = "*ELASTIC\n1000., .25\n*PLASTIC\n1., 0.\n2., 1.\n"
+CREEP = "*ELASTIC\n1000., .25\n*CREEP, LAW=NORTON\n1.E-9, 2., 0.\n"
+STIFF = "*ELASTIC, TYPE=ORTHO\n1500., 300., 1200., 200., 250., 900., 400., 350.\n300.\n"
+RUBBER = "*HYPERELASTIC, NEO HOOKE\n200., .002\n"
+
+
+@pytest.mark.parametrize(("law", "section", "stretch", "modulus"), [
+    (PLASTIC, ALONG, 0.0, 1200.0), (CREEP, ALONG, 0.0, 1200.0),
+    (STIFF, ALONG, 0.0, 1500.0), (STIFF, AXES, 0.0, 1200.0),
+    (RUBBER, ALONG, 0.0, rubber_modulus(1.0)), (RUBBER, ALONG, 0.2, rubber_modulus(1.2)),
+    (RUBBER, ALONG, -0.2, rubber_modulus(0.8))], ids=["plastic", "creep", "orthotropic", "turned", "rubber", "pulled", "pressed"])
+def test_modulus_of_hourglass_stiffness(tables: Callable[..., list[Block]], law: str, section: str, stretch: float, modulus: float) -> None:
+    """The same with dS11/dE11 in place of E for all materials that have more than E and nu; C1111 = 1.2 E at rest for nu = 1/4."""
+    d = 0.1
+    signs = {1: 1, 2: -1, 3: 1, 4: -1, 5: 1, 6: -1, 7: 1, 8: -1}
+    text = CUBE[: CUBE.index("*BOUNDARY")].replace("C3D8", "C3D8R") + "*MATERIAL, NAME=M\n" + law + section + "*BOUNDARY\nN, 2, 3\n"
+    at = {int(n): stretch * float(x) for n, x, _, _ in (line.split(",") for line in CUBE.splitlines()[1:9])}
+    text += "*STEP, NLGEOM\n*STATIC\n*BOUNDARY\n" + "".join(f"{n}, 1, 1, {at[n] + d * s}\n" for n, s in signs.items())
+    force = tables(text + "*NODE PRINT, NSET=N\nRF\n*END STEP\n")[-1]
+    mode = sum(sign * force.rows[(node,)][0] for node, sign in signs.items()) / 8
+    assert mode == pytest.approx(0.00075 * modulus * 8 * d, rel=1e-4)
+
+
 @pytest.mark.parametrize("kind", ["CPE4", "CAX4"])
 def test_area_of_a_slave_node_in_the_plane(tables: Callable[..., list[Block]], kind: str) -> None:
     """A slave of a surface of nodes stands for the length L of its facet, times the thickness or 2 pi times its own radius.

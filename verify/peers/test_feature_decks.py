@@ -23,7 +23,7 @@ CASES = feature_decks.cases() | joint_decks.cases() | behaviour_decks.cases()
 LINEAR, NONLINEAR = 2e-3, 1e-2
 RESIDUE = 1e-6
 SAMPLE = re.compile(r"output-(C3D8-|C3D10-global-no|sets|all)|amplitude-|tie-(C3D8-|gap$|transform)|pretension-(C3D8|C3D15|kept)$|ring-C3D20R|truss|spring|mass|reference-rigid-(loaded|nl-moved)|"
-                    r"flow-C3D8I|creep$|creep-orthotropic|relieved|node-pressure|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)|"
+                    r"flow-C3D8I|one-point-|creep$|creep-orthotropic|relieved|node-pressure|contact-(C3D4-s|C3D15-n|C3D8-m|hard|friction|change|small-n|clearance)|"
                     r"stack-n|lap-(drawn|flush)-n|bore-CAX4|punch-tilted-n|dome-C3D(4|6)-n|out-and-in-s|slope-n")
 
 # Where the two differ, and why. A reason that begins with "CalculiX:" is an error of CalculiX (2.20); others are open here.
@@ -40,6 +40,9 @@ DIFFERENT: dict[str, str] = {
     r"put-down-s": "CalculiX: a face that comes down and along in one increment has slipped since the start of the increment, here since it touched; "
                    "with finer increments CalculiX comes to our result",
     r"elsewhere-s": "CalculiX: a pair that comes in again has slipped by what its surfaces moved while it was out",
+    r"flow-C3D8R$": "CalculiX: prints forces with the hourglass stiffness of another element: 0.13 at nodes that are free; displacements and stresses "
+                    "agree to 1e-5",
+    r"one-point-CPS4R-plastic$": "the thickness of plane stress is coupled at the nodes in CalculiX: 6e-3 of the largest strain",
     r"contact-there-and-back-s": "slip over a long path differs at points where a face meets a new master face; forces agree",
 }
 

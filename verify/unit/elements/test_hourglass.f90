@@ -3,9 +3,10 @@
 program test_hourglass
   use amontons_elasticity, only: isotropic_tangent
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
-    add_thickness_stabilization
+    add_thickness_stabilization, has_present_modulus, artificial_modulus
+  use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_kinds, only: DP
-  use amontons_tensor, only: IDENTITY
+  use amontons_tensor, only: IDENTITY, VOIGT_INDEX, VOIGT_ROW, VOIGT_COLUMN
   use amontons_element_kinds, only: MAX_ELEMENT_NODES
   use check, only: suite_type
   implicit none
@@ -30,9 +31,52 @@ program test_hourglass
   call check_bending()
   call check_thickness(.false.)
   call check_thickness(.true.)
+  call check_modulus()
   call suite%finish()
 
 contains
+
+  !> The modulus of the artificial stiffness: E of an elastic material, else the first entry of the tangent pulled back.
+  subroutine check_modulus()
+    type(material_type) :: material
+    real(DP) :: c(6, 6), spatial(6, 6), H(3, 3), F(3, 3), modulus
+    integer :: p, q, i, j, k, l
+    material%law = LAW_SAINT_VENANT
+    c = isotropic_tangent(3.0_DP, 2.0_DP)
+    spatial = -1
+    H = 0
+    modulus = artificial_modulus(material, c, spatial, H)
+    call suite%near('the modulus of an elastic material', modulus, 5.2_DP, 1.0e-12_DP)
+    call suite%that('an elastic material needs no tangent', .not. has_present_modulus(material))
+    allocate (material%isotropic_hardening(1))
+    call suite%that('a plastic one does', has_present_modulus(material))
+    call suite%near('the modulus of a plastic one at rest', artificial_modulus(material, -c, c, H), 7.0_DP, 1.0e-12_DP)
+    call random_number(c)
+    c = c + transpose(c)
+    call random_number(H)
+    F = IDENTITY + H
+    spatial = 0
+    do p = 1, 6
+      do q = 1, 6
+        do i = 1, 3
+          do j = 1, 3
+            do k = 1, 3
+              do l = 1, 3
+                associate (m => VOIGT_INDEX(i, j), n => VOIGT_INDEX(k, l))
+                  spatial(p, q) = spatial(p, q) + F(VOIGT_ROW(p), i) * F(VOIGT_COLUMN(p), j) * F(VOIGT_ROW(q), k) &
+                    * F(VOIGT_COLUMN(q), l) * c(m, n)
+                end associate
+              end do
+            end do
+          end do
+        end do
+      end do
+    end do
+    call suite%near('the modulus at finite strain', artificial_modulus(material, -c, spatial, H), c(1, 1), 1.0e-9_DP)
+    material%law = LAW_HENCKY
+    call suite%that('the abaqus dialect needs none', .not. has_present_modulus(material))
+  end subroutine check_modulus
+
 
   !> A parallelepiped or a parallelogram: its mean gradients are those of its middle.
   subroutine make(d, is_artificial, X, hourglass)
@@ -53,7 +97,7 @@ contains
     volume = volume * real(n, DP)
     call set_physical_hourglass(d, X, gradient(:n, :d), volume, isotropic_tangent(3.0_DP, 2.0_DP), hourglass)
     across = 0.25_DP
-    if (is_artificial) call set_artificial_hourglass(hourglass, volume, isotropic_tangent(3.0_DP, 2.0_DP), across(:n), 1.0_DP)
+    if (is_artificial) call set_artificial_hourglass(hourglass, volume, 5.2_DP, across(:n), 1.0_DP)
   end subroutine make
 
 
