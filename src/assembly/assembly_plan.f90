@@ -237,25 +237,51 @@ contains
   subroutine build_graph(assembly, mesh)
     type(assembly_type), intent(inout) :: assembly
     type(mesh_type), intent(in) :: mesh
-    integer, allocatable :: element_first(:), element_list(:), mark(:)
-    integer :: i, k, n, pass, start
+    integer, allocatable :: element_first(:), element_list(:)
+    integer :: i, n, pass
     call invert_connectivity(mesh, element_first, element_list)
-    allocate (mark(mesh%n_nodes), assembly%graph_first(mesh%n_nodes + 1))
+    allocate (assembly%graph_first(mesh%n_nodes + 1), assembly%graph_node(0))
+    assembly%graph_first(1) = 1
     do pass = 1, 2
-      mark = 0
-      n = 0
+      !$omp parallel
+      call list_neighbours(assembly, mesh, element_first, element_list, pass == 1)
+      !$omp end parallel
+      if (pass == 2) exit
       do i = 1, mesh%n_nodes
-        assembly%graph_first(i) = n + 1
-        start = n + 1
-        call add_neighbour(i, i)                              ! nodes without elements have a diagonal entry
-        do k = element_first(i), element_first(i + 1) - 1
-          call add_element_neighbours(i, element_list(k))
-        end do
-        if (pass == 2) call sort_ascending(assembly%graph_node(start:n))
+        assembly%graph_first(i + 1) = assembly%graph_first(i) + assembly%graph_first(i + 1)
       end do
-      assembly%graph_first(mesh%n_nodes + 1) = n + 1
-      if (pass == 1) allocate (assembly%graph_node(n))
+      n = assembly%graph_first(mesh%n_nodes + 1) - 1
+      deallocate (assembly%graph_node)
+      allocate (assembly%graph_node(n))
     end do
+  end subroutine build_graph
+
+
+  !> One thread's share of the nodes: counts their neighbours, or lists them.
+  subroutine list_neighbours(assembly, mesh, element_first, element_list, is_counted)
+    type(assembly_type), intent(inout) :: assembly
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: element_first(:), element_list(:)   !< elements at each node
+    logical, intent(in) :: is_counted              !< graph_first(i + 1) becomes the number of neighbours of node i
+    integer, allocatable :: mark(:)
+    integer :: i, k, n, start
+    allocate (mark(mesh%n_nodes), source=0)
+    !$omp do schedule(static)
+    do i = 1, mesh%n_nodes
+      start = 0
+      if (.not. is_counted) start = assembly%graph_first(i) - 1
+      n = start
+      call add_neighbour(i, i)                              ! nodes without elements have a diagonal entry
+      do k = element_first(i), element_first(i + 1) - 1
+        call add_element_neighbours(i, element_list(k))
+      end do
+      if (is_counted) then
+        assembly%graph_first(i + 1) = n
+      else
+        call sort_ascending(assembly%graph_node(start + 1:n))
+      end if
+    end do
+    !$omp end do
 
   contains
 
@@ -275,10 +301,10 @@ contains
       if (other < node .or. mark(other) == node) return
       mark(other) = node
       n = n + 1
-      if (pass == 2) assembly%graph_node(n) = other
+      if (.not. is_counted) assembly%graph_node(n) = other
     end subroutine add_neighbour
 
-  end subroutine build_graph
+  end subroutine list_neighbours
 
 
   !> Elements at each node.

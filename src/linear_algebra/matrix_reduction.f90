@@ -83,7 +83,7 @@ contains
     type(sparse_type) :: dependents, mirrored
     type(growing_list_type), allocatable :: blocks(:)   ! columns of A in a block of rows
     integer :: a, k, n
-    mirrored = mirror_entries(matrix, transformation, direct)
+    mirrored = mirror_entries(matrix, general_rows(matrix, transformation, direct), transformation, direct)
     dependents = sparse_transpose(transformation)
     n = transformation%n_columns
     reduced%n_rows = n
@@ -162,17 +162,60 @@ contains
   end function direct_rows
 
 
-  !> The transposed entries of K that the upper triangle of A needs: those that touch an unknown which is not direct.
-  pure function mirror_entries(matrix, transformation, direct) result(mirrored)
+  !> The rows of K with an entry between two unknowns of A of which one is not direct. The threads share the rows.
+  function general_rows(matrix, transformation, direct) result(rows)
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle
     type(sparse_type), intent(in) :: transformation   !< C
     integer, intent(in) :: direct(:)           !< (n) as in reduction_type
+    integer, allocatable :: rows(:)            !< ascending
+    logical :: is_general(matrix%n_rows)
+    integer :: i
+    !$omp parallel do schedule(static)
+    do i = 1, matrix%n_rows
+      is_general(i) = has_general_entry(i)
+    end do
+    !$omp end parallel do
+    rows = pack([(i, i=1, matrix%n_rows)], is_general)
+
+  contains
+
+    !> Whether a row has such an entry.
+    pure logical function has_general_entry(row)
+      integer, intent(in) :: row
+      integer :: p
+      has_general_entry = .false.
+      if (.not. is_in_reduced(row)) return
+      do p = matrix%first(row), matrix%first(row + 1) - 1
+        associate (j => matrix%column(p))
+          if (direct(row) > 0 .and. direct(j) > 0) cycle
+          has_general_entry = (direct(row) == 0 .or. direct(j) == 0) .and. is_in_reduced(j)
+        end associate
+        if (has_general_entry) return
+      end do
+    end function has_general_entry
+
+    !> Whether an unknown depends on one of A.
+    pure logical function is_in_reduced(row)
+      integer, intent(in) :: row
+      is_in_reduced = transformation%first(row + 1) > transformation%first(row)
+    end function is_in_reduced
+
+  end function general_rows
+
+
+  !> The transposed entries of K that the upper triangle of A needs: those that touch an unknown which is not direct.
+  pure function mirror_entries(matrix, rows, transformation, direct) result(mirrored)
+    type(sparse_type), intent(in) :: matrix    !< K, upper triangle
+    integer, intent(in) :: rows(:)             !< of general_rows
+    type(sparse_type), intent(in) :: transformation   !< C
+    integer, intent(in) :: direct(:)           !< (n) as in reduction_type
     type(sparse_type) :: mirrored              !< pattern only
-    integer :: next(matrix%n_rows), i, j, p
+    integer :: next(matrix%n_rows), i, j, k, p
     mirrored%n_rows = matrix%n_rows
     mirrored%n_columns = matrix%n_rows
     next = 0
-    do i = 1, matrix%n_rows
+    do k = 1, size(rows)
+      i = rows(k)
       do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
         if (is_needed(i, matrix%column(p))) next(matrix%column(p)) = next(matrix%column(p)) + 1
       end do
@@ -184,7 +227,8 @@ contains
     end do
     next = mirrored%first(:matrix%n_rows)
     allocate (mirrored%column(mirrored%first(matrix%n_rows + 1) - 1))
-    do i = 1, matrix%n_rows
+    do k = 1, size(rows)
+      i = rows(k)
       do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
         j = matrix%column(p)
         if (.not. is_needed(i, j)) cycle
@@ -262,11 +306,13 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer :: place(transformation%n_columns), slot_of(transformation%n_columns)
     type(growing_list_type) :: rows, row_first, entries, widths, slots, targets
-    integer, allocatable :: columns(:)
-    integer :: i, p, a, n_before
+    integer, allocatable :: general(:), columns(:)
+    integer :: i, k, p, a, n_before
     place = 0
     slot_of = 0
-    do i = 1, matrix%n_rows
+    general = general_rows(matrix, transformation, reduction%direct)
+    do k = 1, size(general)
+      i = general(k)
       n_before = entries%n
       do p = matrix%first(i), matrix%first(i + 1) - 1
         associate (j => matrix%column(p))

@@ -45,6 +45,7 @@ module amontons_two_level_preconditioner
                                                    !! reads as many bytes as one with U and its pattern [-] | 0012
   real(DP), parameter :: MAX_CORNER_SHARE = 0.5_DP !< unknowns of corners over all: more are not a coarse space [-]
   integer, parameter :: MIN_UNKNOWNS_PER_DOMAIN = 10000   !< smaller domains cost iterations and save no time | 0012
+  integer, parameter :: SHARES_PER_THREAD = 8      !< of the parts, so that no thread waits for long
   real(DP), parameter :: TOL_DEPENDENT_MOTION = 1.0e-8_DP         !< a motion with a smaller independent component is dropped [-]
 
   !> The preconditioner of one matrix.
@@ -104,39 +105,27 @@ contains
   end function two_level_megabytes
 
 
-  !> Z: the rigid body motions of each part at its unknowns, orthonormalized; dependent motions of a part become zero.
+  !> Z: the rigid body motions of each part at its unknowns. The threads share the parts.
   subroutine build_coarse_space(self, part, axis, place, n_parts)
     type(two_level_preconditioner_type), intent(inout) :: self
     integer, intent(in) :: part(:)                     !< (n) of each unknown, 1 to n_parts
     integer, intent(in) :: axis(:)                     !< (n) direction of the unknown, 1 to 3
     real(DP), intent(in) :: place(:, :)                !< (3, n) coordinates of its node [length]
     integer, intent(in) :: n_parts
-    real(DP) :: centre(3, n_parts), extent(n_parts), members(n_parts)
-    integer :: i, p
+    integer, allocatable :: first(:), members(:)
+    integer :: p
     self%n_parts = n_parts
     self%part = part
     call discard_domains(self)
 !$  if (omp_get_max_threads() > 1) self%place = place
-    centre = 0
-    members = 0
-    do i = 1, size(part)
-      centre(:, part(i)) = centre(:, part(i)) + place(:, i)
-      members(part(i)) = members(part(i)) + 1
-    end do
-    do p = 1, n_parts
-      centre(:, p) = centre(:, p) / max(members(p), 1.0_DP)
-    end do
-    extent = 0
-    do i = 1, size(part)
-      extent(part(i)) = max(extent(part(i)), maxval(abs(place(:, i) - centre(:, part(i)))))
-    end do
     if (allocated(self%motion)) deallocate (self%motion)
     allocate (self%motion(6, size(part)))
-    do i = 1, size(part)
-      p = part(i)
-      self%motion(:, i) = real(rigid_motion(axis(i), (place(:, i) - centre(:, p)) / max(extent(p), tiny(1.0_DP))), SP)
+    call list_groups(part, n_parts, first, members)
+    !$omp parallel do schedule(dynamic, 16)
+    do p = 1, n_parts
+      call find_motions(members(first(p):first(p + 1) - 1), axis, place, self%motion)
     end do
-    call orthonormalize_motions(self)
+    !$omp end parallel do
   end subroutine build_coarse_space
 
 
@@ -201,29 +190,41 @@ contains
   end function rigid_motion
 
 
-  !> Orthonormalizes the six motions of each part: Z'Z is the identity, with zeros where a part has fewer than six.
-  subroutine orthonormalize_motions(self)
-    type(two_level_preconditioner_type), intent(inout) :: self
-    real(DP) :: gram(6, 6, self%n_parts), turn(6, 6, self%n_parts), values(6), vectors(6, 6)
-    integer :: i, p, m, status
+  !> The six motions of a part, orthonormalized: zeros in place of those that depend on the others.
+  subroutine find_motions(members, axis, place, motion)
+    integer, intent(in) :: members(:)                  !< unknowns of the part
+    integer, intent(in) :: axis(:)                     !< (n) direction of each unknown
+    real(DP), intent(in) :: place(:, :)                !< (3, n) [length]
+    real(SP), intent(inout) :: motion(:, :)            !< (6, n) those of the members are set
+    real(DP) :: centre(3), extent, gram(6, 6), turn(6, 6), values(6), vectors(6, 6)
+    integer :: k, m, status
+    centre = 0
+    do k = 1, size(members)
+      centre = centre + place(:, members(k))
+    end do
+    centre = centre / real(max(size(members), 1), DP)
+    extent = tiny(1.0_DP)
+    do k = 1, size(members)
+      extent = max(extent, maxval(abs(place(:, members(k)) - centre)))
+    end do
     gram = 0
-    do i = 1, size(self%part)
-      do m = 1, 6
-        gram(:, m, self%part(i)) = gram(:, m, self%part(i)) + real(self%motion(:, i), DP) * real(self%motion(m, i), DP)
-      end do
+    do k = 1, size(members)
+      associate (i => members(k))
+        motion(:, i) = real(rigid_motion(axis(i), (place(:, i) - centre) / extent), SP)
+        do m = 1, 6
+          gram(:, m) = gram(:, m) + real(motion(:, i), DP) * real(motion(m, i), DP)
+        end do
+      end associate
     end do
+    call solve_symmetric_eigen(gram, values, vectors, status)
     turn = 0
-    do p = 1, self%n_parts
-      call solve_symmetric_eigen(gram(:, :, p), values, vectors, status)
-      if (status /= DENSE_OK) cycle
-      do m = 1, 6
-        if (values(m) > TOL_DEPENDENT_MOTION * values(6)) turn(m, :, p) = vectors(:, m) / sqrt(values(m))
-      end do
+    do m = 1, 6
+      if (status == DENSE_OK .and. values(m) > TOL_DEPENDENT_MOTION * values(6)) turn(m, :) = vectors(:, m) / sqrt(values(m))
     end do
-    do i = 1, size(self%part)
-      self%motion(:, i) = real(matmul(turn(:, :, self%part(i)), real(self%motion(:, i), DP)), SP)
+    do k = 1, size(members)
+      motion(:, members(k)) = real(matmul(turn, real(motion(:, members(k)), DP)), SP)
     end do
-  end subroutine orthonormalize_motions
+  end subroutine find_motions
 
 
   !> Builds the preconditioner of a matrix: U and the factor of Z'AZ.
@@ -338,12 +339,13 @@ contains
     type(sparse_type), intent(out) :: coarse
     type(block_list_type), allocatable :: share(:)
     integer, allocatable :: first(:), members(:)
-    integer :: n_shares, t
+    integer :: n_shares, n_threads, t
     call list_groups(self%part, self%n_parts, first, members)
-    n_shares = 1
-!$  if (allocated(self%place)) n_shares = omp_get_max_threads()
+    n_threads = 1
+!$  if (allocated(self%place)) n_threads = omp_get_max_threads()
+    n_shares = SHARES_PER_THREAD * n_threads
     allocate (share(n_shares))
-    !$omp parallel do schedule(static, 1) num_threads(n_shares)
+    !$omp parallel do schedule(dynamic, 1) num_threads(n_threads)
     do t = 1, n_shares
       call assemble_block_rows(self, matrix, first, members, share_end(self%n_parts, n_shares, t - 1) + 1, &
         share_end(self%n_parts, n_shares, t), share(t))

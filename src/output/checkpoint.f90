@@ -773,8 +773,8 @@ contains
       n_now = last - first + 1
       has_values = .false.                           ! set below, or by the word read
       if (packer%is_packing) then
-        has_values = .not. all(values(first:last) == 0.0_DP .and. sign(1.0_DP, values(first:last)) > 0.0_DP)   ! -0 is a value
-        if (has_values) words(:n_now) = transfer(values(first:last), words(:n_now))
+        words(:n_now) = transfer(values(first:last), words(:n_now))
+        has_values = any(words(:n_now) /= 0_I64)     ! -0 is a value
       end if
       call packer%exchange(has_values)
       if (has_values) then
