@@ -23,7 +23,7 @@ module amontons_quadratic_solid_shell
   use amontons_material_point, only: material_point_type
   use amontons_materials, only: material_type
   use amontons_shape_functions, only: shape_functions, quadrature
-  use amontons_solid_shell, only: find_rotation, evaluate_stress_of_strain
+  use amontons_solid_shell, only: find_rotation, evaluate_stress_of_strain, natural_strain
   use amontons_tensor, only: invert
   use amontons_element_kinds, only: KIND_C3D15, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
@@ -177,31 +177,6 @@ contains
       end do
     end do
   end function relative_slopes
-
-
-  !> A natural strain (twice it for i /= j) and its derivatives by the displacements.
-  pure subroutine natural_strain(i, j, slope, base, v, is_nlgeom, value, row)
-    integer, intent(in) :: i, j
-    real(DP), intent(in) :: slope(3, N_NODES), base(3, 3), v(3, 3)   !< v: derivatives of the displacements [length]
-    logical, intent(in) :: is_nlgeom
-    real(DP), intent(out) :: value                 !< [length^2]
-    real(DP), intent(out) :: row(N_DOF)            !< [length]
-    real(DP) :: factor, g_i(3), g_j(3)
-    integer :: a
-    factor = merge(0.5_DP, 1.0_DP, i == j)
-    g_i = base(:, i)
-    g_j = base(:, j)
-    value = dot_product(g_i, v(:, j)) + dot_product(g_j, v(:, i))
-    if (is_nlgeom) then
-      value = value + dot_product(v(:, i), v(:, j))
-      g_i = g_i + v(:, i)
-      g_j = g_j + v(:, j)
-    end if
-    value = factor * value
-    do a = 1, N_NODES
-      row(3 * a - 2:3 * a) = factor * (slope(i, a) * g_j + slope(j, a) * g_i)
-    end do
-  end subroutine natural_strain
 
 
   !> The parts of the samples in the strains at a place of the triangle.

@@ -45,7 +45,7 @@ module amontons_solid_shell
   use amontons_zero_stress_condition, only: solve_zero_stress, CONDITION_NONE
   implicit none
   private
-  public :: evaluate_solid_shell, set_layer_temperature_weights, find_rotation, evaluate_stress_of_strain
+  public :: evaluate_solid_shell, set_layer_temperature_weights, find_rotation, evaluate_stress_of_strain, natural_strain
 
   integer, parameter :: MAX_NODES = 8              !< of a solid shell
   integer, parameter :: MAX_POINTS = 20
@@ -426,13 +426,14 @@ contains
   end subroutine set_kinematics
 
 
-  !> A natural strain (twice it for i /= j) and its derivatives by the means and half differences of the displacements.
+  !> A natural strain (twice it for i /= j) and its derivatives by the displacements to which the slopes belong.
   pure subroutine natural_strain(i, j, slope, base, v, is_nlgeom, value, row)
     integer, intent(in) :: i, j
-    real(DP), intent(in) :: slope(3, MAX_NODES), base(3, 3), v(3, 3)   !< v: derivatives of the displacements [length]
+    real(DP), intent(in) :: slope(:, :)            !< (3, n) derivatives of the functions of the displacements
+    real(DP), intent(in) :: base(3, 3), v(3, 3)    !< v: derivatives of the displacements [length]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(out) :: value                 !< [length^2]
-    real(DP), intent(out) :: row(3 * MAX_NODES)    !< [length]
+    real(DP), intent(out) :: row(:)                !< (3 n) [length]
     real(DP) :: factor, g_i(3), g_j(3)
     integer :: a
     factor = merge(0.5_DP, 1.0_DP, i == j)
@@ -445,7 +446,7 @@ contains
       g_j = g_j + v(:, j)
     end if
     value = factor * value
-    do a = 1, MAX_NODES
+    do a = 1, size(slope, 2)
       row(3 * a - 2:3 * a) = factor * (slope(i, a) * g_j + slope(j, a) * g_i)
     end do
   end subroutine natural_strain
