@@ -752,16 +752,20 @@ contains
     type(material_point_type), intent(inout) :: point
     integer, intent(out) :: status                 !< STRESS_...
     type(return_mapping_type) :: back
-    real(DP) :: F(3, 3), J, scale, b(6), k(6), s(6), n(6), size, modulus, flow
+    real(DP) :: H(3, 3), F(3, 3), j_minus_one, J, scale, b(6), k(6), s(6), n(6), size, modulus, flow
     real(DP) :: stretch                            ! inelastic, of the initial state, logarithmic [-]
+    real(DP) :: swelling                           ! with the thermal one, minus 1 [-]
     integer :: return_status
     stretch = 0
     if (material%n_history == HISTORY_STRETCH) stretch = point%history_old(HISTORY_STRETCH)
-    F = (IDENTITY + point%H) / ((1 + moduli%thermal(1)) * exp(stretch))
-    J = 1 + determinant_minus_one(F - IDENTITY)
+    swelling = moduli%thermal(1) + (1 + moduli%thermal(1)) * expm1(stretch)
+    H = (point%H - swelling * IDENTITY) / (1 + swelling)   ! no difference of numbers near 1: unloaded bodies have no stress
+    F = IDENTITY + H
+    j_minus_one = determinant_minus_one(H)
+    J = 1 + j_minus_one
     scale = J**(-2 / 3.0_DP)
     k = push_forward(F, point%history_old(HISTORY_BACK:HISTORY_BACK + 5)) * scale
-    b = left_cauchy_green(F - IDENTITY) &
+    b = left_cauchy_green(H) &
       + push_forward(F, tensor_exp(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) - stretch * VOIGT_IDENTITY, &
       -2.0_DP))                                    ! J^(2/3) b - 1
     if (point%is_output_wanted) point%strain = evaluate_output_strain(material, point%H)
@@ -772,7 +776,8 @@ contains
       creep_times(point), point%history_old, back, return_status)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK) return
-    call set_isochoric_response(deviator(moduli%G * scale * b), modulus, moduli%G, moduli%lambda + 2 * moduli%G / 3, J, point)
+    call set_isochoric_response(deviator(moduli%G * scale * b), modulus, moduli%G, moduli%lambda + 2 * moduli%G / 3, j_minus_one, &
+      point)
     flow = back%plastic + back%creep
     n = 0
     if (flow > 0) then
@@ -780,9 +785,9 @@ contains
       call subtract_plastic_stress(n, size, modulus - sum(k(:3)) / 3, back, point)
     end if
     if (flow > 0 .or. any(abs(point%history_old(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)) > 0)) &
-      point%energy = evaluate_elastic_energy(moduli%lambda + 2 * moduli%G / 3, modulus, J, point%stress)
+      point%energy = evaluate_elastic_energy(moduli%lambda + 2 * moduli%G / 3, modulus, j_minus_one, point%stress)
     if (.not. (flow > 0 .and. point%is_output_wanted)) return
-    call store_simo_history(F, J, b - (2 * SQRT_3_2 * modulus / (moduli%G * scale) * flow) * n, &
+    call store_simo_history(H, J, b - (2 * SQRT_3_2 * modulus / (moduli%G * scale) * flow) * n, &
       k + (SQRT_2_3 * J * back%back_increment) * n, point)
     point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 2) = point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 2) + stretch
     point%history(HISTORY_PEEQ) = point%history_old(HISTORY_PEEQ) + back%plastic
@@ -792,29 +797,29 @@ contains
 
   !> Elastic energy of a point with plastic flow. The trace of b is not a measure of elastic strain after flow: the deviator
   !! of the stress is.
-  pure real(DP) function evaluate_elastic_energy(bulk, modulus, J, tau) result(energy)
+  pure real(DP) function evaluate_elastic_energy(bulk, modulus, j_minus_one, tau) result(energy)
     real(DP), intent(in) :: bulk, modulus          !< K and G' [stress]
-    real(DP), intent(in) :: J                      !< det F [-]
+    real(DP), intent(in) :: j_minus_one            !< det F - 1 [-]
     real(DP), intent(in) :: tau(6)                 !< Kirchhoff stress [stress]
-    energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) + von_mises(tau)**2 / (6 * modulus)
+    energy = 0.25_DP * bulk * (j_minus_one * (j_minus_one + 2) - 2 * log1p(j_minus_one)) + von_mises(tau)**2 / (6 * modulus)
   end function evaluate_elastic_energy
 
 
   !> tau = K/2 (J^2 - 1) 1 + s, s = G dev b, b isochoric, with its tangent and energy.
-  pure subroutine set_isochoric_response(s, modulus, G, bulk, J, point)
+  pure subroutine set_isochoric_response(s, modulus, G, bulk, j_minus_one, point)
     real(DP), intent(in) :: s(6)                   !< [stress]
     real(DP), intent(in) :: modulus                !< G' = G tr b/3 [stress]
     real(DP), intent(in) :: G, bulk                !< G, K [stress]
-    real(DP), intent(in) :: J                      !< det F [-]
+    real(DP), intent(in) :: j_minus_one            !< J - 1, J = det F [-]
     type(material_point_type), intent(inout) :: point       !< out: stress, tangent, energy
     real(DP) :: pressure
     integer :: i
-    pressure = 0.5_DP * bulk * (J - 1) * (J + 1)
+    pressure = 0.5_DP * bulk * j_minus_one * (j_minus_one + 2)
     point%stress = s + pressure * VOIGT_IDENTITY
-    point%energy = 0.25_DP * bulk * (J * J - 1 - 2 * log(J)) + 1.5_DP * (modulus - G)
+    point%energy = 0.25_DP * bulk * (j_minus_one * (j_minus_one + 2) - 2 * log1p(j_minus_one)) + 1.5_DP * (modulus - G)
     if (.not. point%is_tangent_wanted) return
     point%tangent = isochoric_tangent(s, modulus)
-    point%tangent(:3, :3) = point%tangent(:3, :3) + bulk * J * J
+    point%tangent(:3, :3) = point%tangent(:3, :3) + bulk * (1 + j_minus_one)**2
     do i = 1, 6
       point%tangent(i, i) = point%tangent(i, i) - merge(2.0_DP, 1.0_DP, i <= 3) * pressure
     end do
@@ -842,16 +847,16 @@ contains
 
 
   !> Pulls b and the back stress back to the reference configuration: the history.
-  pure subroutine store_simo_history(F, J, b, k, point)
-    real(DP), intent(in) :: F(3, 3)
+  pure subroutine store_simo_history(H, J, b, k, point)
+    real(DP), intent(in) :: H(3, 3)                !< F - 1 [-]
     real(DP), intent(in) :: J
     real(DP), intent(in) :: b(6)                   !< J^(2/3) b - 1 [-]
     real(DP), intent(in) :: k(6)                   !< back stress [stress]
     type(material_point_type), intent(inout) :: point
     real(DP) :: inverse(3, 3), det
-    call invert(F, inverse, det)
+    call invert(IDENTITY + H, inverse, det)
     point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5) = &
-      tensor_log(push_forward(inverse, b) + left_cauchy_green(-matmul(inverse, F - IDENTITY)), -0.5_DP)
+      tensor_log(push_forward(inverse, b) + left_cauchy_green(-matmul(inverse, H)), -0.5_DP)
     point%history(HISTORY_BACK:HISTORY_BACK + 5) = J**(2 / 3.0_DP) * push_forward(inverse, k)
   end subroutine store_simo_history
 

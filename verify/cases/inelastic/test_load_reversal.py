@@ -15,6 +15,8 @@ import pytest
 
 from verify.benchmark.estimate_table import cube
 from verify.conftest import Run
+from verify.decks.shells import held, shell
+from verify.readers.dat_frd_files import read_dat
 from verify.readers.sta_cvg_files import read_sta
 
 TURNS = (9, 25)  #: the first increments after the turns of the amplitude
@@ -37,3 +39,24 @@ def test_turns(run_deck: Run, tmp_path: Path, load: str, words: str, most: int) 
     assert not any(attempt.is_failed for attempt in attempts)
     assert all(attempts[turn - 1].iterations <= most for turn in TURNS), [attempt.iterations for attempt in attempts]
     assert max(attempt.iterations for attempt in attempts) > most, "nothing flows"
+
+
+@pytest.mark.parametrize("kind", ["S4", "S8R"])
+def test_unloaded_body(run_deck: Run, tmp_path: Path, kind: str) -> None:
+    """A cantilever that could yield is bent below its yield stress and let go under NLGEOM: nothing is left, and no attempt fails.
+
+    The stress of a body without load is that of a strain of 1e-18; a difference of numbers near 1 would be a hundred times that.
+    """
+    body = shell(kind, (4, 2), lambda u, v: (10 * u, 4 * v, 0 * u))
+    text = body.cards() + "*MATERIAL, NAME=M\n*ELASTIC\n210000., .3\n*PLASTIC\n250., 0.\n350., .1\n*SHELL SECTION, ELSET=E, MATERIAL=M\n.4\n"
+    text += held(body.where(0, 0.0), "1, 6")
+    for force in (4.4, 0.0):
+        text += "*STEP, NLGEOM\n*STATIC, DIRECT\n.1, 1.\n*CLOAD\n"
+        text += "".join(f"{n + 1}, 3, {force * share}\n" for n, share in body.edge_weights(0, 1.0).items())
+        text += "*NODE PRINT, NSET=N, FREQUENCY=10\nU\n*END STEP\n"
+    done = run_deck(text, "--dialect=calculix")
+    assert done.returncode == 0, done.stdout
+    assert not any(attempt.is_failed for attempt in read_sta(tmp_path / "job.sta"))
+    bent, free = read_dat(tmp_path / "job.dat")
+    assert bent.largest > 0.1
+    assert free.largest < 1e-3 * bent.largest
