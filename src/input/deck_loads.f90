@@ -20,7 +20,7 @@ module amontons_deck_loads
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_structural_data, only: find_node_directors, force_weights
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
-    find_or_add_place, release_prescribed, &
+    find_or_add_place, has_other_rotation, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
   use amontons_mesh, only: mean_face_normal
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
@@ -720,6 +720,10 @@ contains
     call check_section_beams(reader, model, row, place%elements)
     if (place%kind /= DISTRIBUTED_BODY_FORCE) call check_density(reader, model, row, place, value)
     call add_region_load(place, value, amplitude, active_loads)
+    if (reader%dialect /= DIALECT_CALCULIX) return
+    if (.not. has_other_rotation(active_loads, place)) return
+    call report_note(reader, row%line, 'Some of these elements have a rotation by another line already (another axis or set): ' // &
+      'here all that are active act together; CalculiX applies one of them alone, and none where OP=NEW has removed that one.')
   end subroutine read_volume_load
 
 

@@ -17,13 +17,13 @@ module amontons_load_propagation
   use amontons_kinds, only: DP
   use amontons_containers, only: name_table_type
   use amontons_loads, only: load_type, load_value, prescribed_type, concentrated_type, distributed_type, &
-    DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY
+    DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, DISTRIBUTED_CENTRIFUGAL
   use amontons_model, only: model_type, DIALECT_CALCULIX
   implicit none
   private
   public :: active_loads_type, load_region_type, init_active_loads, propagate_loads, &
     truncate_loads, release_prescribed, prescribe_dof, &
-    ramp_down_loads, add_load, set_node_pressures, find_or_add_place, get_step_loads
+    ramp_down_loads, add_load, set_node_pressures, find_or_add_place, has_other_rotation, get_step_loads
   public :: LOAD_BOUNDARY, LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
 
   integer, parameter :: LOAD_BOUNDARY = 1, LOAD_CLOAD = 2, LOAD_DLOAD = 3, LOAD_VOLUME = 4
@@ -391,6 +391,25 @@ contains
       found = n
     end associate
   end subroutine find_or_add_place
+
+
+  !> Whether elements of a rotation have another one, active or not: about another axis, or of another region.
+  pure logical function has_other_rotation(active_loads, place) result(has)
+    type(active_loads_type), intent(in) :: active_loads
+    type(load_region_type), intent(in) :: place
+    logical, allocatable :: is_loaded(:)
+    integer :: i
+    has = .false.
+    if (place%kind /= DISTRIBUTED_CENTRIFUGAL .or. size(place%elements) == 0) return
+    allocate (is_loaded(maxval(place%elements)), source=.false.)
+    is_loaded(place%elements) = .true.
+    do i = 1, active_loads%n_places
+      associate (other => active_loads%places(i))
+        if (other%kind /= DISTRIBUTED_CENTRIFUGAL .or. is_same_region(other, place)) cycle
+        has = has .or. any(is_loaded(pack(other%elements, other%elements <= size(is_loaded))))
+      end associate
+    end do
+  end function has_other_rotation
 
 
   !> Whether two loads on volumes are of the same kind on the same region in the same directions.

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from verify.decks import behaviour_decks, feature_decks, joint_decks
+from verify.decks.parts import Part
 from verify.peers.test_mixed_decks import leave_out_residue, run_peer
 from verify.readers.dat_frd_files import Block, compare, compare_block, read_dat, read_frd
 
@@ -104,6 +105,37 @@ def test_deck(name: str, run: Callable[..., object], tmp_path: Path) -> None:
     bad = [f"{d.title} {d.set_name} t={d.time:g}: {d.deviation:.2e} of {d.largest:.3e} at {d.where}" for d in tables if not d.deviation <= limit]
     bad += [f"field {title}: {far:.2e}" for title, far in fields_apart(ours / "job.frd", tmp_path / "job.frd", "T3D" in text or "TYPE=CAX" in text) if not far <= limit]
     assert not bad, "\n".join(bad)
+
+
+def totals(folder: Path) -> list[list[float]]:
+    """The total forces of .dat."""
+    return [list(block.rows.values())[0] for block in read_dat(folder / "job.dat") if block.title == "total force"]
+
+
+def test_rotation_about_several_axes(run: Callable[..., object], tmp_path: Path) -> None:
+    """Two squares of the angular velocity add up; CalculiX keeps one axis of an element, and none where OP=NEW removes that one."""
+    body = Part("A", "C3D8", (1, 1, 1), (2, 2, 2), (2, 1, 1))
+    text = feature_decks.bodies(body) + "*MATERIAL, NAME=EL\n*ELASTIC\n210000., .3\n*DENSITY\n1.\n" + feature_decks.sections("A") + "*BOUNDARY\nA_X0N, 1, 3\n"
+    about_x, about_y = ("EALL, CENTRIF, 1., 0., 0., 0., " + axis for axis in ("1., 0., 0.\n", "0., 1., 0.\n"))
+    print_out = "*NODE PRINT, NSET=A_X0N, TOTALS=ONLY\nRF\n"
+    for option, load in (("", about_x), ("", about_x + about_y), (", OP=NEW", about_y)):
+        text += feature_decks.step(f"*DLOAD{option}\n" + load + print_out)
+    ours = tmp_path / "ours"
+    ours.mkdir()
+    for folder in (tmp_path, ours):
+        (folder / "job.inp").write_text(text)
+    run_peer(tmp_path)
+    result = run(["--dialect=calculix", "job"], cwd=ours)
+    assert result.returncode == 0  # type: ignore[attr-defined]
+    output = result.stdout + result.stderr  # type: ignore[attr-defined]
+    assert output.count("CalculiX applies one of them alone") == 2
+    one, two, three = totals(ours)
+    x, y, z = -three[0], -one[1], -one[2]
+    assert min(x, y, z) > 1
+    assert two == pytest.approx([-x, -y, -2 * z], rel=1e-6, abs=1e-9)
+    assert three == pytest.approx([-x, 0.0, -z], rel=1e-6, abs=1e-9)
+    for found, expected in zip(totals(tmp_path), ([0.0, -y, -z], [0.0, -y, -z], [0.0, 0.0, 0.0]), strict=True):
+        assert found == pytest.approx(expected, rel=1e-6, abs=1e-9)
 
 
 def test_gaps_of_mortar(run: Callable[..., object], tmp_path: Path) -> None:

@@ -43,7 +43,7 @@ def test_turns(run_deck: Run, tmp_path: Path, load: str, words: str, most: int) 
 
 @pytest.mark.parametrize("kind", ["S4", "S8R"])
 def test_unloaded_body(run_deck: Run, tmp_path: Path, kind: str) -> None:
-    """A cantilever that could yield is bent below its yield stress and let go under NLGEOM: nothing is left, and no attempt fails.
+    """A cantilever that could yield is bent below its yield stress and released under NLGEOM: nothing is left, and no attempt fails.
 
     The stress of a body without load is that of a strain of 1e-18; a difference of numbers near 1 would be a hundred times that.
     """
