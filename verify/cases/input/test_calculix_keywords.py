@@ -258,6 +258,17 @@ def test_members_named_twice(run_deck: Run, tmp_path: Path) -> None:
     assert displacements(tmp_path) == pytest.approx([1.0, -0.004], rel=2e-6)
 
 
+@pytest.mark.parametrize(("second", "is_noted"), [("E, CENTRIF, 1., 0., 0., 0., 0., 1., 0.", True), ("1, CENTRIF, 1., 0., 0., 0., 1., 0., 0.", True),
+                                                  ("E, CENTRIF, 1., 0., 0., 0., 1., 0., 0.", False), ("E, GRAV, 1., 0., 1., 0.", False)])
+def test_second_rotation(run_deck: Run, second: str, is_noted: bool) -> None:
+    """An element that turns about two axes, or by two sets: both act, which CalculiX does not do."""
+    deck = CUBE.replace("*ELASTIC", "*DENSITY\n2.\n*ELASTIC") + "*STEP\n*STATIC\n*DLOAD\nE, CENTRIF, 1., 0., 0., 0., 1., 0., 0.\n"
+    for dialect in ("abaqus", "calculix"):
+        done = run_deck(f"** dialect: {dialect}\n{deck}{second}\n{PRINT}*END STEP\n")
+        assert done.returncode == 0, done.stdout
+        assert ("applies one of them alone" in " ".join((done.stdout + done.stderr).split())) == (is_noted and dialect == "calculix")
+
+
 def test_density_over_temperature(run_deck: Run, tmp_path: Path) -> None:
     """Weight of a bar, u = rho g L^2 / (2 E): rho at the start under abaqus, at the present temperature under calculix."""
     deck = CUBE.replace("*ELASTIC", "*DENSITY\n2., 0.\n1., 100.\n*ELASTIC") + "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 20.\n"
