@@ -58,6 +58,7 @@ uses_structural_data = kinds
 uses_submodels = kinds
 uses_user_elements = kinds
 uses_model = kinds containers embeddings loads user_routines materials mesh restart_file surfaces mpc_data steps structural_data submodels user_elements
+uses_user_utilities = kinds tensor
 
 # materials
 uses_logarithmic_strain = kinds tensor

@@ -135,8 +135,10 @@ contains
     mpc%card = 'MPC'
     mpc%line = reader%cards%line_number(line)
     if (allocated(model%structure) .and. is_one_of(kind, 'BEAM|TIE')) then
-      if (size(expanded_nodes(model%structure, nodes)) > size(nodes)) call report_error(reader, line, 'The MPC ' // kind // &
-        ' binds rotations; at nodes of shells and beams write *COUPLING with *KINEMATIC, 1, 6, or *MPC, PIN for a hinge.')
+      if (size(expanded_nodes(model%structure, nodes)) > size(nodes)) then
+        call bind_rotations(reader, model, line, kind, nodes, mpc)
+        return
+      end if
     end if
     select case (kind)
     case ('PLANE', 'STRAIGHT')
@@ -224,11 +226,37 @@ contains
       call append_mpc(model, mpc)
     else
       mpc%node = nodes(:1)
+      if (allocated(model%structure)) mpc%node = expanded_nodes(model%structure, mpc%node)
       mpc%reference = nodes(2)
       call make_rotation_node(model, mpc%reference, mpc%rotation)
       call append_mpc(model, mpc)
     end if
   end subroutine add_beam
+
+
+  !> BEAM and TIE at nodes of shells and beams: the first node and what it expands into follow the second and its rotation.
+  subroutine bind_rotations(reader, model, line, kind, nodes, mpc)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: line, nodes(:)
+    character(*), intent(in) :: kind
+    type(nonlinear_mpc_type), intent(inout) :: mpc
+    logical :: is_together
+    if (reader%dialect == DIALECT_CALCULIX) then
+      call report_error(reader, line, 'The MPC ' // kind // ' binds rotations; at nodes of shells and beams write *RIGID BODY ' // &
+        'with TIE NSET, or *MPC, PIN for a hinge.')
+      return
+    end if
+    is_together = size(nodes) == 2
+    if (kind == 'TIE' .and. is_together) is_together = size(expanded_nodes(model%structure, nodes(2:))) > 1 .and. &
+      .not. any(abs(model%mesh%coordinates(:, nodes(1)) - model%mesh%coordinates(:, nodes(2))) > 0)
+    if (is_together .or. kind == 'BEAM') then
+      call add_beam(reader, model, line, nodes, mpc, is_link=.false.)
+    else
+      call report_error(reader, line, 'TIE binds two nodes of shells or beams at one place; elsewhere write *COUPLING with ' // &
+        '*KINEMATIC, 1, 6, or *MPC, PIN for a hinge.')
+    end if
+  end subroutine bind_rotations
 
 
   !> TIE, PIN: the first node has the displacements of the second.

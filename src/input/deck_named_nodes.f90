@@ -8,7 +8,7 @@ module amontons_deck_named_nodes
   use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS
   use amontons_deck_reader, only: reader_type, support_dofs, open_card, is_card
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: parse_integer, NUMBER_OK
+  use amontons_text, only: parse_integer, is_one_of, name_key, NUMBER_OK
   implicit none
   private
   public :: find_turned_nodes, find_constrained_nodes
@@ -42,6 +42,8 @@ contains
           nodes = named_nodes(reader, model, parameter_text(parameters, 'REF NODE'))
           is_turned(nodes) = .true.
           model%structure%is_driven(:, nodes) = .true.
+        else if (is_card(reader, c, 'MPC') .and. model%dialect /= DIALECT_CALCULIX) then
+          call note_mpc(reader, model, c)
         else if (is_card(reader, c, 'BOUNDARY') .or. is_card(reader, c, 'CLOAD')) then
           call open_card(reader, c, parameters, row)
           is_follower = has_parameter(parameters, 'FOLLOWER') .and. model%dialect /= DIALECT_CALCULIX
@@ -64,6 +66,24 @@ contains
       end do
     end associate
   end subroutine find_turned_nodes
+
+
+  !> The second nodes of MPC, BEAM and TIE: the first ones turn with them.
+  subroutine note_mpc(reader, model, c)
+    type(reader_type), intent(in) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c                     !< index of the card
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    integer, allocatable :: nodes(:)
+    call open_card(reader, c, parameters, row)
+    do while (next_row(reader%cards, row))
+      if (.not. is_one_of(name_key(field_text(reader%cards, row, 1)), 'BEAM|TIE')) cycle
+      nodes = named_nodes(reader, model, field_text(reader%cards, row, 3))
+      model%structure%is_turned(nodes) = .true.
+      model%structure%is_driven(:, nodes) = .true.
+    end do
+  end subroutine note_mpc
 
 
   !> The nodes of a user element, as that of a beam by its section, whose rotations are unknowns of it.

@@ -16,12 +16,15 @@
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 #ifdef __linux__
 #include <link.h>
@@ -124,6 +127,51 @@ void getjobname_(char *to, int *length, size_t capacity)
   give_text(to, capacity, length, amontons_user_inside ? amontons_user_inside->job : "job");
 }
 
+/* SUBROUTINE MUTEXINIT(ID), MUTEXLOCK(ID), MUTEXUNLOCK(ID), ID = 1 to 100 as in Abaqus. A thread may lock again what it has. */
+enum { N_MUTEXES = 100 };
+static pthread_mutex_t mutexes[N_MUTEXES];
+static pthread_once_t mutexes_once = PTHREAD_ONCE_INIT;
+
+static void make_mutexes(void)
+{
+  pthread_mutexattr_t kind;
+  pthread_mutexattr_init(&kind);
+  pthread_mutexattr_settype(&kind, PTHREAD_MUTEX_RECURSIVE);
+  for (int i = 0; i < N_MUTEXES; i++) pthread_mutex_init(&mutexes[i], &kind);
+  pthread_mutexattr_destroy(&kind);
+}
+
+static pthread_mutex_t *mutex_of(const int *id)
+{
+  pthread_once(&mutexes_once, make_mutexes);
+  return *id >= 1 && *id <= N_MUTEXES ? &mutexes[*id - 1] : NULL;
+}
+
+void mutexinit_(const int *id);
+void mutexinit_(const int *id)
+{
+  mutex_of(id);
+}
+
+void mutexlock_(const int *id);
+void mutexlock_(const int *id)
+{
+  pthread_mutex_t *mutex = mutex_of(id);
+  if (mutex) pthread_mutex_lock(mutex);
+}
+
+void mutexunlock_(const int *id);
+void mutexunlock_(const int *id)
+{
+  pthread_mutex_t *mutex = mutex_of(id);
+  if (mutex) pthread_mutex_unlock(mutex);
+}
+
+/* Utility routines in Fortran (user_utilities): named here, so that programs hold them and a library finds them. */
+extern void rotsig_(void), sinv_(void), sprinc_(void), sprind_(void);
+extern void (*const amontons_user_utilities[])(void);
+void (*const amontons_user_utilities[])(void) = {rotsig_, sinv_, sprinc_, sprind_};
+
 /* --- routines that crash ------------------------------------------------------------------------------------------ */
 
 enum { N_SIGNALS = 5, STACK_SIZE = 65536 };
@@ -205,12 +253,30 @@ static void handle_signal(int number, siginfo_t *info, void *context)
   longjmp(amontons_user_way_out, CRASHED);
 }
 
+static atomic_int is_flushed;
+
+static void *flush_units(void *unused)
+{
+  _gfortran_flush_i4(NULL);
+  is_flushed = 1;
+  return unused;
+}
+
+/* Flushes the units, for a second at most: after an error in a statement of input or output that statement's unit stays locked. */
+static void flush_what_is_free(void)
+{
+  pthread_t helper;
+  const struct timespec pause = {.tv_nsec = 10000000};
+  if (!_gfortran_flush_i4 || pthread_create(&helper, NULL, flush_units, NULL)) return;
+  for (int i = 0; i < 100 && !is_flushed; i++) nanosleep(&pause, NULL);
+}
+
 /* A routine that ends the process: STOP, or an error of the Fortran run-time library. */
 static void handle_exit(void)
 {
   if (!amontons_user_inside) return;
   fflush(NULL);
-  if (_gfortran_flush_i4) _gfortran_flush_i4(NULL);
+  flush_what_is_free();
   end_process("it ended the process, by STOP or by an error of the Fortran library");
 }
 
@@ -342,6 +408,19 @@ static int has_sequence_numbers(const char *source)
   return is_so && n_long > 0;
 }
 
+/* Whether a file says that it is in free form, as compilers of Abaqus's users read it: !DIR$ FREEFORM, !DEC$ FREEFORM. */
+static int is_free_form(const char *source)
+{
+  char line[1024], mark[3], word[9];
+  int is_so = 0;
+  FILE *file = fopen(source, "r");
+  while (!is_so && file && fgets(line, sizeof line, file))
+    is_so = sscanf(line, " !%*1[dD]%2[a-zA-Z]$ %8[a-zA-Z]", mark, word) == 2 && (!strcasecmp(mark, "IR") || !strcasecmp(mark, "EC")) &&
+            !strcasecmp(word, "FREEFORM");
+  if (file) fclose(file);
+  return is_so;
+}
+
 /* Whether a file has lines for the preprocessor. */
 static int has_directives(const char *source)
 {
@@ -381,11 +460,12 @@ static int run_compiler(const char *const *words, const char *folder, const char
 }
 
 /* Compiles a Fortran file into folder/routines.so, the modules into the folder too. 1: done. What compilers of Abaqus's users
- * accept: lines of 132 columns in fixed form, old language, and constants of single precision beside arguments of double
- * precision (sign(1.0, x)), by default reals of double precision if the file does not compile without. */
+ * accept: long lines (they count a tabulator as one column), old language, free form in a file of any name, and constants of
+ * single precision beside arguments of double precision (sign(1.0, x)), by default reals of double precision. The latter two
+ * where the file does not compile without; messages are those of the first attempt. */
 static int compile(const char *source, const char *folder, char *message, int capacity)
 {
-  enum { MAX_WORDS = 64, N_PRECISION = 2 };
+  enum { MAX_WORDS = 64, N_PRECISION = 2, N_MORE = N_PRECISION + 1 };
   static const char *const precision[N_PRECISION] = {"-fdefault-real-8", "-fdefault-double-8"};
   char target[1200], include[1200], modules[1200], beside[1200];
   const char *compiler = getenv("AMONTONS_FC");
@@ -396,15 +476,20 @@ static int compile(const char *source, const char *folder, char *message, int ca
   const char *slash = strrchr(source, '/');
   snprintf(beside, sizeof beside, "-I%.*s", slash ? (int)(slash - source) + 1 : 1, slash ? source : ".");
   const char *words[MAX_WORDS] = {compiler, "-shared", "-fPIC", "-O2", "-g", "-w", "-std=legacy", "-frecursive", include, beside,
-                                  modules, "-o", target, source};
-  int n = 14;
-  if (!has_sequence_numbers(source)) words[n++] = "-ffixed-line-length-132";
+                                  modules, "-o", target, source, "-ffree-line-length-none"};
+  int n = 15;
+  if (!has_sequence_numbers(source)) words[n++] = "-ffixed-line-length-none";
+  if (is_free_form(source)) words[n++] = "-ffree-form";
   if (has_directives(source)) words[n++] = "-cpp";
-  char *flags = add_flags(words, &n, MAX_WORDS - N_PRECISION - 1);
+  char *flags = add_flags(words, &n, MAX_WORDS - N_MORE - 1);
   int is_done = run_compiler(words, folder, "log", message, capacity);
-  for (int i = 0; i < N_PRECISION; i++) words[n++] = precision[i];
   char ignored[16];
+  for (int i = 0; i < N_PRECISION; i++) words[n + i] = precision[i];
   if (!is_done) is_done = run_compiler(words, folder, "second", ignored, sizeof ignored);
+  if (!is_done && !is_free_form(source)) {
+    words[n + N_PRECISION] = "-ffree-form";
+    is_done = run_compiler(words, folder, "third", ignored, sizeof ignored);
+  }
   free(flags);
   return is_done;
 }
