@@ -538,12 +538,29 @@ contains
       if (allocated(model%surfaces(pair%slave)%profile)) call report_error(reader, row%line, 'The slave surface ''' // slave // &
         ''' is analytic; only a master can be.')
     end if
-    if (pair%slave > 0 .and. pair%is_mortar) then
-      if (model%surfaces(pair%slave)%is_node_based) call report_error(reader, row%line, 'The slave surface ''' // slave &
-        // ''' is made of nodes; surface-to-surface contact needs element faces. Give faces, or use TYPE=NODE TO SURFACE.')
-    end if
+    if (pair%slave > 0) call set_node_based_slave(reader, row, slave, model%surfaces(pair%slave), pair)
     model%pairs = [model%pairs, pair]
   end subroutine read_pair
+
+
+  !> A pair with a slave of nodes: TYPE=SURFACE TO SURFACE, which Abaqus/CAE writes there too, reverts to the nodes as in Abaqus.
+  subroutine set_node_based_slave(reader, row, name, slave, pair)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    character(*), intent(in) :: name
+    type(surface_type), intent(in) :: slave
+    type(contact_pair_type), intent(inout) :: pair
+    if (.not. (slave%is_node_based .and. pair%is_mortar)) return
+    if (reader%dialect == DIALECT_CALCULIX) then
+      call report_error(reader, row%line, 'The slave surface ''' // name // ''' is made of nodes; surface-to-surface ' // &
+        'contact needs element faces. Give faces, or use TYPE=NODE TO SURFACE.')
+      return
+    end if
+    call report_note(reader, row%line, 'The slave surface ''' // name // ''' is made of nodes: contact is enforced at ' // &
+      'them, as with TYPE=NODE TO SURFACE.')
+    pair%is_mortar = .false.
+    pair%has_point_contact = .false.
+  end subroutine set_node_based_slave
 
 
   !> A pair with an analytic master: contact is enforced at the nodes of the slave, whatever its TYPE.

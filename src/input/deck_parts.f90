@@ -28,12 +28,14 @@ module amontons_deck_parts
     'CONNECTORSECTION|CONNECTORBEHAVIOR|CONNECTORELASTICITY|DASHPOT|JOINT|SHELLTOSOLIDCOUPLING|' // &
     'ROTARYINERTIA|NONSTRUCTURALMASS|FLUIDCAVITY|REBAR|REBARLAYER'   !< so are those of these
 
+  integer, parameter :: OF_NAME = 0, OF_NODE = 1, OF_ELEMENT = 2   !< what a field names; numbers of names stay
+
   !> The scope of cards: a part in a certain instance, the assembly, or the model.
   type :: instance_type
     character(:), allocatable :: name            !< of the instance; '' of the assembly and the model
     character(:), allocatable :: part            !< squeezed name of the part
     integer :: first = 0, last = -1              !< cards of the instance itself
-    integer :: node_shift = 0, element_shift = 0 !< added to numbers
+    integer :: added(OF_NAME:OF_ELEMENT) = 0     !< to numbers
     real(DP) :: shift(3) = 0                     !< translation [length]
     real(DP) :: turn(3, 3) = 0                   !< rotation, after the translation
     real(DP) :: centre(3) = 0                    !< a point of its axis [length]
@@ -81,9 +83,9 @@ contains
     cards = work%flat
     is_flat = .true.
     do c = 1, size(work%instances)
-      if (work%instances(c)%node_shift > 0) call messages%add(0, 'Of the instance ' // work%instances(c)%name // ' the ' // &
-        'numbers of nodes are ' // to_text(work%instances(c)%node_shift) // ', those of elements ' // &
-        to_text(work%instances(c)%element_shift) // ' higher than in its part.', is_warning=.true.)
+      if (work%instances(c)%added(OF_NODE) > 0) call messages%add(0, 'Of the instance ' // work%instances(c)%name // ' the ' // &
+        'numbers of nodes are ' // to_text(work%instances(c)%added(OF_NODE)) // ', those of elements ' // &
+        to_text(work%instances(c)%added(OF_ELEMENT)) // ' higher than in its part.', is_warning=.true.)
     end do
   end subroutine flatten_parts
 
@@ -275,8 +277,8 @@ contains
     n_elements = 0
     do i = 1, size(work%instances)
       associate (instance => work%instances(i))
-        instance%node_shift = n_nodes
-        instance%element_shift = n_elements
+        instance%added(OF_NODE) = n_nodes
+        instance%added(OF_ELEMENT) = n_elements
         p = find_part(work, instance)
         n_nodes = n_nodes + max(largest_label(cards, 'NODE', work%parts(p)%first, work%parts(p)%last), &
           largest_label(cards, 'NODE', instance%first, instance%last))
@@ -285,8 +287,8 @@ contains
       end associate
     end do
     work%assembly%name = ''
-    work%assembly%node_shift = n_nodes
-    work%assembly%element_shift = n_elements
+    work%assembly%added(OF_NODE) = n_nodes
+    work%assembly%added(OF_ELEMENT) = n_elements
   end subroutine number_scopes
 
 
@@ -400,7 +402,7 @@ contains
         scope = work%instances(i)
         scope%has_placement = .false.
       end if
-      if (scope%name == '' .and. scope%node_shift + scope%element_shift == 0) then
+      if (scope%name == '' .and. scope%added(OF_NODE) + scope%added(OF_ELEMENT) == 0) then
         call write_plain(cards, work, c)
       else if (is_one_of(key, UNCHANGED_CARDS // '|' // REJECTED_CARDS)) then
         do line = card%data_first, card%data_last
@@ -446,7 +448,7 @@ contains
       text = parameters(i)%text
       is_name = is_one_of(parameters(i)%key, NAME_PARAMETERS) .or. (parameters(i)%key == 'NAME' .and. is_one_of(key, &
         CARDS_WITH_NAME))
-      if (is_name) text = qualified_reference(work, scope, text, scope%node_shift)
+      if (is_name) text = qualified_reference(work, scope, text, OF_NODE)
       if (index(text, ',') > 0) text = '"' // text // '"'
       head = head // '=' // text
     end do
@@ -461,28 +463,41 @@ contains
 
 
   !> A name or a number in terms of the model: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
-  function qualified_reference(work, scope, text, shift) result(taken)
+  function qualified_reference(work, scope, text, what) result(taken)
     type(flattening_type), intent(in) :: work
     type(instance_type), intent(in) :: scope
     character(*), intent(in) :: text
-    integer, intent(in) :: shift                 !< of nodes or elements
+    integer, intent(in) :: what                  !< OF_NAME: numbers stay; OF_NODE, OF_ELEMENT
     character(:), allocatable :: taken
     integer :: status, number, dot, i
     taken = text
     if (text == '') return
     call parse_integer(text, number, status)
     if (status == NUMBER_OK) then
-      taken = to_text(number + shift)
+      taken = to_text(number + scope%added(what))
       return
     end if
     dot = index(text, '.', back=.true.)
     if (dot > 1) then
       i = find_instance(work, text(:dot - 1))
       call parse_integer(text(dot + 1:), number, status)
-      if (i > 0 .and. status == NUMBER_OK) taken = to_text(number + work%instances(i)%node_shift)
+      if (i > 0 .and. status == NUMBER_OK) taken = to_text(number + work%instances(i)%added(what))
     end if
     if (scope%name /= '') taken = scope%name // '.' // taken
   end function qualified_reference
+
+
+  !> What the first field of a data line of a card names.
+  integer function first_reference(cards, c) result(what)
+    type(cards_type), intent(in) :: cards
+    integer, intent(in) :: c                     !< card
+    character(:), allocatable :: type
+    type = name_key(parameter_value(cards, c, 'TYPE'))
+    what = merge(OF_ELEMENT, OF_NODE, is_one_of(cards%cards(c)%key, 'DLOAD|ELSET|FOUNDATION|MODELCHANGE|EMBEDDEDELEMENT'))
+    if (cards%cards(c)%key == 'SURFACE' .and. type /= 'NODE') what = OF_ELEMENT
+    if (cards%cards(c)%key == 'INITIALCONDITIONS' .and. is_one_of(type, 'STRESS|PLASTICSTRAIN|HARDENING|SOLUTION')) &
+      what = OF_ELEMENT
+  end function first_reference
 
 
   !> The data lines of a card of the model: only INSTANCE.NUMBER is replaced by a number.
@@ -498,7 +513,7 @@ contains
       text = line_text(cards, line)
       first = trim(adjustl(text(:index(text // ',', ',') - 1)))
       if (scan(first, '.') > 1 .and. verify(first(:min(1, len(first))), '0123456789+-.*') == 1) text = &
-        qualified_reference(work, model, first, 0) // text(index(text // ',', ','):)
+        qualified_reference(work, model, first, first_reference(cards, c)) // text(index(text // ',', ','):)
       call append_line(work%flat, text, cards%line_file(line), cards%line_number(line))
     end do
   end subroutine write_plain
@@ -529,10 +544,8 @@ contains
         text = node_row(cards, row, scope)
       case ('ELEMENT')
         call element_row(cards, work, row, scope, n_nodes_of_type(cards, parameter_value(cards, c, 'TYPE')), n_left, text)
-      case ('NSET')
-        text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), scope%node_shift)
-      case ('ELSET', 'EMBEDDEDELEMENT')
-        text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), scope%element_shift)
+      case ('NSET', 'ELSET', 'EMBEDDEDELEMENT')
+        text = set_row(cards, work, row, scope, card_has_parameter(cards, c, 'GENERATE'), first_reference(cards, c))
       case ('SURFACE')
         if (is_one_of(name_key(parameter_value(cards, c, 'TYPE')), 'SEGMENTS|CYLINDER|REVOLUTION')) then
           if (row%n <= 1 .and. field_text(cards, row, 1) == '') n = n - 1   ! a blank line for the axes
@@ -540,8 +553,7 @@ contains
           if (n == 1) call write_axes(cards, work, c, row, scope)
           text = profile_row(cards, row, scope, name_key(parameter_value(cards, c, 'TYPE')) == 'SEGMENTS')
         else
-          text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, &
-            name_key(parameter_value(cards, c, 'TYPE')) == 'NODE'), 1)
+          text = first_row(cards, work, row, scope, first_reference(cards, c), 1)
         end if
       case ('BEAMSECTION', 'BEAMGENERALSECTION')
         if (is_rotated(scope)) then
@@ -551,40 +563,39 @@ contains
         end if
         text = line_text(cards, row%line)
       case ('SHELLSECTION', 'SHELLGENERALSECTION')   ! the fourth field of a layer is an angle or the name of an orientation
-        text = first_row(cards, work, row, scope, 0, merge(4, 0, has_name(cards, row, 4)))
+        text = first_row(cards, work, row, scope, OF_NAME, merge(4, 0, has_name(cards, row, 4)))
       case ('NODALTHICKNESS', 'FOUNDATION')
-        text = first_row(cards, work, row, scope, merge(scope%node_shift, scope%element_shift, cards%cards(c)%key(1:1) == 'N'), 1)
+        text = first_row(cards, work, row, scope, first_reference(cards, c), 1)
       case ('EQUATION')
-        text = first_row(cards, work, row, scope, scope%node_shift, merge(0, 3, row%n == 1))
+        text = first_row(cards, work, row, scope, OF_NODE, merge(0, 3, row%n == 1))
       case ('MPC')
-        text = set_row(cards, work, row, scope, .false., scope%node_shift)
+        text = set_row(cards, work, row, scope, .false., OF_NODE)
         if (n == 1) text = field_text(cards, row, 1) // text(index(text // ',', ','):)
       case ('ORIENTATION', 'TRANSFORM')
         text = point_row(cards, row, scope, n == 1, name_key(parameter_value(cards, c, 'SYSTEM') // parameter_value(cards, c, &
           'TYPE')))
         if (has_own_distribution(cards, work, scope, field_text(cards, row, min(n, 2)))) &   ! of axes, of angles
-          text = first_row(cards, work, row, scope, 0, min(n, 2))
+          text = first_row(cards, work, row, scope, OF_NAME, min(n, 2))
       case ('DISTRIBUTION')
         text = distribution_row(cards, work, row, scope, system_of(cards, parameter_value(cards, c, 'NAME')))
       case ('DISTRIBUTIONTABLE', 'HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS')   ! as it is
         text = line_text(cards, row%line)
       case ('CONTACTPAIR')
-        text = set_row(cards, work, row, scope, .false., 0)
+        text = set_row(cards, work, row, scope, .false., OF_NAME)
       case ('BOUNDARY', 'INITIALCONDITIONS')
         if (is_rotated(scope)) then
           call messages%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is ' // &
             'rotated is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if
-        text = first_row(cards, work, row, scope, merge(scope%element_shift, scope%node_shift, &
-          is_one_of(parameter_value(cards, c, 'TYPE'), 'STRESS|PLASTIC STRAIN|HARDENING|SOLUTION')), 1)
+        text = first_row(cards, work, row, scope, first_reference(cards, c), 1)
       case ('PRE-TENSIONSECTION')
         if (scope%name /= '') then
           call messages%add(cards%cards(c)%line, 'The card *PRE-TENSION SECTION inside a part or an instance is not ' // &
             'supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
           return
         end if
-        text = first_row(cards, work, row, scope, scope%node_shift, 1)
+        text = first_row(cards, work, row, scope, OF_NODE, 1)
       case default
         call messages%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part, an instance or the ' // &
           'assembly is not supported; write it after *END ASSEMBLY, with the names INSTANCE.SET.')
@@ -626,7 +637,7 @@ contains
     integer :: i, label, status
     call field_integer(cards, row, 1, label, status)
     text = field_text(cards, row, 1)
-    if (status == NUMBER_OK) text = to_text(label + scope%node_shift)
+    if (status == NUMBER_OK) text = to_text(label + scope%added(OF_NODE))
     x = 0
     do i = 2, min(row%n, 4)
       call field_real(cards, row, i, x(i - 1), status)
@@ -672,9 +683,9 @@ contains
         cycle
       end if
       if (is_first .and. i == 1) then
-        text = text // to_text(label + scope%element_shift)
+        text = text // to_text(label + scope%added(OF_ELEMENT))
       else
-        text = text // to_text(label + scope%node_shift)
+        text = text // to_text(label + scope%added(OF_NODE))
         if (n_left > 0) n_left = n_left - 1
       end if
     end do
@@ -684,45 +695,38 @@ contains
 
 
   !> A row of numbers and names of sets; the increment of a range is unchanged.
-  function set_row(cards, work, row, scope, is_range, shift) result(text)
+  function set_row(cards, work, row, scope, is_range, what) result(text)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(in) :: work
     type(data_row_type), intent(in) :: row
     type(instance_type), intent(in) :: scope
     logical, intent(in) :: is_range
-    integer, intent(in) :: shift
+    integer, intent(in) :: what                  !< OF_NAME, ...
     character(:), allocatable :: text
     integer :: i
     text = ''
     do i = 1, row%n
       if (i > 1) text = text // ', '
-      if (is_range .and. i == 3) then
-        text = text // field_text(cards, row, i)
-      else
-        text = text // qualified_reference(work, scope, field_text(cards, row, i), shift)
-      end if
+      text = text // qualified_reference(work, scope, field_text(cards, row, i), merge(OF_NAME, what, is_range .and. i == 3))
     end do
   end function set_row
 
 
   !> A row whose first field, or every field after `every` others, is a name or a number of the part.
-  function first_row(cards, work, row, scope, shift, every) result(text)
+  function first_row(cards, work, row, scope, what, every) result(text)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(in) :: work
     type(data_row_type), intent(in) :: row
     type(instance_type), intent(in) :: scope
-    integer, intent(in) :: shift
+    integer, intent(in) :: what                  !< OF_NAME, ...
     integer, intent(in) :: every                 !< 0: no field; 1, 2, 4: this one; 3: the first, the fourth, ...
     character(:), allocatable :: text
     integer :: i
-    logical :: is_reference
     text = ''
     do i = 1, row%n
       if (i > 1) text = text // ', '
-      is_reference = every == i
-      if (every == 3) is_reference = modulo(i, 3) == 1
-      if (is_reference) then
-        text = text // qualified_reference(work, scope, field_text(cards, row, i), shift)
+      if (merge(modulo(i, 3) == 1, every == i, every == 3)) then
+        text = text // qualified_reference(work, scope, field_text(cards, row, i), what)
       else
         text = text // field_text(cards, row, i)
       end if
@@ -753,15 +757,11 @@ contains
     type = name_key(parameter_value(cards, c, 'TYPE'))
     if (name_key(field_text(cards, row, 1)) /= 'START' .or. type == 'SEGMENTS') return
     text = format_point(placed_point(scope, [0.0_DP, 0.0_DP, 0.0_DP]))
-    if (type == 'REVOLUTION') then
-      text = text(3:) // format_point(placed_point(scope, [0.0_DP, 1.0_DP, 0.0_DP]))
-      call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
-    else
-      text = text(3:) // format_point(placed_point(scope, [1.0_DP, 0.0_DP, 0.0_DP]))
-      call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
-      text = format_point(placed_point(scope, [0.0_DP, 0.0_DP, -1.0_DP]))
-      call append_line(work%flat, text(3:), cards%line_file(row%line), cards%line_number(row%line))
-    end if
+    text = text(3:) // format_point(placed_point(scope, IDENTITY(:, merge(2, 1, type == 'REVOLUTION'))))
+    call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
+    if (type == 'REVOLUTION') return
+    text = format_point(placed_point(scope, [0.0_DP, 0.0_DP, -1.0_DP]))
+    call append_line(work%flat, text(3:), cards%line_file(row%line), cards%line_number(row%line))
   end subroutine write_axes
 
 
@@ -846,14 +846,14 @@ contains
     character(:), allocatable :: text
     real(DP) :: x(6)
     integer :: i, status
-    text = first_row(cards, work, row, scope, scope%element_shift, 1)
+    text = first_row(cards, work, row, scope, OF_ELEMENT, 1)
     if (.not. scope%has_placement .or. row%n <= 2) return
     x = 0
     do i = 2, min(7, row%n)
       call field_real(cards, row, i, x(i - 1), status)
       if (status /= NUMBER_OK) return            ! the reader of the card reports it
     end do
-    text = qualified_reference(work, scope, field_text(cards, row, 1), scope%element_shift) // placed_axes(scope, system, x)
+    text = qualified_reference(work, scope, field_text(cards, row, 1), OF_ELEMENT) // placed_axes(scope, system, x)
   end function distribution_row
 
 

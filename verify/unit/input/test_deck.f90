@@ -518,7 +518,10 @@ contains
     call expect_error(suite, BASE // '*CONTACT PAIR;high,low;' // STEP_PART, 'INTERACTION=name')
     call expect_error(suite, BASE // '*CONTACT PAIR, INTERACTION=J;high,low;' // STEP_PART, 'interaction ''J''')
     call expect_error(suite, BASE // PAIR // ',TYPE=MASSLESS;high,low;' // STEP_PART, 'Use NODE TO SURFACE')
-    call expect_error(suite, BASE // PAIR // ',TYPE=SURFACE TO SURFACE;points,low;' // STEP_PART, 'needs element faces')
+    call expect_error(suite, BASE // PAIR // ',TYPE=SURFACE TO SURFACE;points,low;' // STEP_PART, 'needs element faces', &
+      dialect=DIALECT_CALCULIX)
+    call read_good(suite, 'a slave of nodes', BASE // PAIR // ',TYPE=SURFACE TO SURFACE;points,low;' // STEP_PART, model, n_notes=1)
+    call suite%that('at the nodes', .not. (model%pairs(1)%is_mortar .or. model%pairs(1)%has_point_contact))
     call expect_error(suite, BASE // PAIR // ';high,nix;' // STEP_PART, 'no surface ''nix''')
     call expect_error(suite, BASE // PAIR // ';nix,low;' // STEP_PART, 'no surface ''nix''')
     call expect_error(suite, BASE // PAIR // NL // STEP_PART, 'needs a data line')

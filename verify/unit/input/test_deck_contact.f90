@@ -203,7 +203,8 @@ contains
     call expect_message(LAW // '*CONTACT PAIR, INTERACTION=I;', 'needs a data line')
     call expect_message(LAW // '*CONTACT PAIR, INTERACTION=I, ADJUST=-1.;UP,LOW;', 'must be a distance')
     call expect_message(LAW // '*CONTACT PAIR, INTERACTION=I, ADJUST=Q;UP,LOW;', 'or a node set')
-    call expect_message(LAW // '*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE;DOTS,LOW;', 'surface-to-surface')
+    call expect_message(LAW // '*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE;DOTS,LOW;', 'made of nodes', &
+      is_note=.true.)
     call expect_message(LAW // '*CONTACT PAIR, INTERACTION=J;UP,LOW;', 'no surface interaction ''J''')
   end subroutine check_errors
 

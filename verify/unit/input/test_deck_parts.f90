@@ -131,6 +131,10 @@ contains
       '*END STEP;')
     call suite%that('set and number', all(model%steps(1)%prescribed%node == [1, 4, 7, 11]) .and. &
       model%steps(1)%concentrated(1)%node == 16)
+    call expect_read(DONE // ONE // TURNED // '*ELSET, ELSET=X;J.1,;*SURFACE, NAME=T;J.1,S1;' // END, model, step=MATERIAL // &
+      '*STEP;*STATIC;*DLOAD;J.1,P2,1.;*END STEP;')   ! numbers of elements, of which a part has fewer than nodes
+    call suite%that('elements', all(model%mesh%element_sets(find_set(model%mesh%element_sets, 'X'))%members == [2]) .and. &
+      all(model%surfaces(size(model%surfaces))%element == [2]) .and. model%steps(1)%distributed(1)%element == 2)
   end subroutine check_references
 
 
