@@ -37,7 +37,8 @@ module amontons_deck
   use amontons_deck_user_elements, only: read_user_kinds, read_user_properties, connect_user_elements
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
-  use amontons_deck_plausibility, only: report_traps, report_mixed_units
+  use amontons_deck_plausibility, only: report_traps, report_mixed_units, report_springs_on_rings, &
+    report_routines_of_shells
   use amontons_posix, only: checksum_of_text
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
@@ -181,6 +182,8 @@ contains
     call check_viscoelastic_steps(reader, model)
     call report_traps(reader, model%mesh)
     if (reader%messages%n_errors == 0) call report_mixed_units(reader, model)
+    if (reader%messages%n_errors == 0) call report_springs_on_rings(reader, model)
+    if (reader%messages%n_errors == 0) call report_routines_of_shells(reader, model)
     if (reader%messages%n_errors == 0) call set_single_increments(model)
     call read_restart(reader, model)
     call publish_messages(reader%cards, reader%messages, diagnostics)

@@ -109,6 +109,24 @@ def test_umat_in_the_plane(run: Run, tmp_path: Path, kind: str) -> None:
     assert_equal(ours, theirs, 1e-9 if kind == "CPS4" else 1e-10)
 
 
+def test_umat_in_shells(run: Run, tmp_path: Path) -> None:
+    """Shells and beams are solids: J2 in space serves and gives our own plasticity. Abaqus would call it for plane stress: a note says
+    so, but not with SPATIAL."""
+    nodes = "".join(f"{1 + i + 5 * j}, {i}., {j}., 0.\n" for j in range(2) for i in range(5))
+    cells = "".join(f"{i}, {i}, {i + 1}, {i + 6}, {i + 5}\n" for i in range(1, 5))
+    deck = f"*NODE, NSET=ALL\n{nodes}*ELEMENT, TYPE=S4, ELSET=E\n{cells}*SHELL SECTION, ELSET=E, MATERIAL=M\n0.2\n*MATERIAL, NAME=M\nLAW"
+    deck += "*BOUNDARY\n1, 1, 6\n6, 1, 6\n*STEP\n*STATIC\n0.25, 1.\n*BOUNDARY\n5, 3, 3, 0.2\n10, 3, 3, 0.2\n*END STEP\n"
+    ours, theirs = run_two(run, tmp_path, deck.replace("LAW", PLASTIC), deck.replace("LAW", J2), ROUTINES / "j2.f")
+    with h5py.File(ours) as a, h5py.File(theirs) as b:
+        x, y = a["VTKHDF/PointData/RF"][:], b["VTKHDF/PointData/RF"][:]
+        assert np.abs(x - y).max() <= 1e-6 * np.abs(x).max() > 0
+    for word, is_noted in (("", True), ("SPATIAL, ", False)):
+        (tmp_path / "job.inp").write_text(deck.replace("LAW", J2.replace("CONSTANTS", word + "CONSTANTS")))
+        done = run(["job", "--check", f"user={ROUTINES / 'j2.f'}"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout
+        assert ("NTENS = 6 in shells and beams" in " ".join((done.stdout + done.stderr).split())) == is_noted
+
+
 COMPONENTS = {"C3D8": "3., 3.", "CPE4": "3., 1.", "CPE4R": "3., 1.", "CAX8": "3., 1.", "CPS3": "2., 1.", "CPS4": "2., 1.",
               "CPS4R": "2., 1.", "CPS8": "2., 1."}  # fmt: skip
 
