@@ -848,6 +848,8 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'BUCKLE', 'Buckling factors are not computed. Move the nodes by a small ' // &
       'imperfection, and increase the load as a prescribed displacement in a *STEP, NLGEOM: the largest reaction is the ' // &
       'buckling load.')
+    call table%cards_with(ENTRY_REJECTED, 'IMPERFECTION', 'Write the nodes with the imperfection in their coordinates, for ' // &
+      'example with a buckling mode of another program times its height.')
     call table%cards_with(ENTRY_REJECTED, 'HEAT TRANSFER|UNCOUPLED TEMPERATURE-DISPLACEMENT|COUPLED TEMPERATURE-DISPLACEMENT|' // &
       'COUPLED THERMAL-ELECTRICAL', 'Heat flow is not computed: take the temperatures from another program and give them ' // &
       'to the nodes by *TEMPERATURE in a *STATIC step; *EXPANSION makes strains of them.')

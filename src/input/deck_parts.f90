@@ -678,7 +678,7 @@ contains
       if (i > 1) text = text // ', '
       call field_integer(cards, row, i, label, status)
       if (status /= NUMBER_OK) then
-        text = text // qualified_reference(work, scope, field_text(cards, row, i), 0)   ! INSTANCE.NUMBER
+        text = text // qualified_reference(work, scope, field_text(cards, row, i), OF_NODE)   ! INSTANCE.NUMBER
         if (n_left > 0 .and. field_text(cards, row, i) /= '') n_left = n_left - 1
         cycle
       end if
