@@ -295,7 +295,8 @@ WORDY = {"containers", "restart_file", "facets", "posix", "reduced_system", "tex
 STATIC = re.compile(r"\.?gomp_critical_user_\w+|slen\.[.\d]+|__\w+_MOD___def_init_\w+|completed\.0|__cpu_\w+|words|depth|stop_signal|"
                     r"n_status_requested|is_watching_end|amontons_user_(inside|way_out|place)|(point|fields|statev)_of_call|caught|"
                     r"handlers_before|handlers_lock|n_open_libraries|"
-                    r"is_exit_watched|signal_stack|has_signal_stack|access_before|abort_before")  # fmt: skip
+                    r"is_exit_watched|signal_stack|has_signal_stack|access_before|abort_before|"
+                    r"mutexes|mutexes_once|is_flushed")  # fmt: skip
 
 
 @pytest.mark.skipif(not shutil.which("nm"), reason="there is no nm")
