@@ -59,31 +59,34 @@ contains
     type(sparse_type), intent(out) :: reduced  !< A, upper triangle (m x m), diagonal present, without values
     type(error_type), allocatable, intent(out) :: error
     logical, intent(in), optional :: is_idle(:)   !< (n) the row and the column of K are zero always
+    integer, allocatable :: general(:)
     if (matrix%n_rows /= transformation%n_rows .or. matrix%n_columns /= matrix%n_rows) then
       call set_error(error, EXIT_INTERNAL, 'Matrix and relation of a reduction do not fit together.')
       return
     end if
     reduction%direct = direct_rows(transformation)
     if (present(is_idle)) where (is_idle .and. reduction%direct == 0) reduction%direct = IDLE
-    call reduced_pattern(matrix, transformation, reduction%direct, reduced, error)
+    general = general_rows(matrix, transformation, reduction%direct)
+    call reduced_pattern(matrix, general, transformation, reduction%direct, reduced, error)
     if (allocated(error)) return
     reduction%n_entries_k = size(matrix%column)
     reduction%n_entries_c = size(transformation%column)
-    call find_pair_targets(matrix, transformation, reduced, reduction, error)
+    call find_pair_targets(matrix, general, transformation, reduced, reduction, error)
   end subroutine analyse_reduction
 
 
   !> The pattern of C' K C: row a of A has the columns of row j of C for all j coupled by K with an i that depends on a. The threads
   !! share blocks of rows.
-  subroutine reduced_pattern(matrix, transformation, direct, reduced, error)
+  subroutine reduced_pattern(matrix, general, transformation, direct, reduced, error)
     type(sparse_type), intent(in) :: matrix, transformation
+    integer, intent(in) :: general(:)          !< of general_rows
     integer, intent(in) :: direct(:)           !< (n) as in reduction_type
     type(sparse_type), intent(out) :: reduced
     type(error_type), allocatable, intent(out) :: error
     type(sparse_type) :: dependents, mirrored
     type(growing_list_type), allocatable :: blocks(:)   ! columns of A in a block of rows
     integer :: a, k, n
-    mirrored = mirror_entries(matrix, general_rows(matrix, transformation, direct), transformation, direct)
+    mirrored = mirror_entries(matrix, general, transformation, direct)
     dependents = sparse_transpose(transformation)
     n = transformation%n_columns
     reduced%n_rows = n
@@ -184,29 +187,30 @@ contains
       integer, intent(in) :: row
       integer :: p
       has_general_entry = .false.
-      if (.not. is_in_reduced(row)) return
       do p = matrix%first(row), matrix%first(row + 1) - 1
-        associate (j => matrix%column(p))
-          if (direct(row) > 0 .and. direct(j) > 0) cycle
-          has_general_entry = (direct(row) == 0 .or. direct(j) == 0) .and. is_in_reduced(j)
-        end associate
+        has_general_entry = is_general_entry(transformation, direct, row, matrix%column(p))
         if (has_general_entry) return
       end do
     end function has_general_entry
 
-    !> Whether an unknown depends on one of A.
-    pure logical function is_in_reduced(row)
-      integer, intent(in) :: row
-      is_in_reduced = transformation%first(row + 1) > transformation%first(row)
-    end function is_in_reduced
-
   end function general_rows
 
 
+  !> Whether entry (i, j) of K is between two unknowns that depend on those of A, of which one is not direct.
+  pure logical function is_general_entry(transformation, direct, i, j) result(is_general)
+    type(sparse_type), intent(in) :: transformation   !< C
+    integer, intent(in) :: direct(:)           !< (n) as in reduction_type
+    integer, intent(in) :: i, j
+    is_general = direct(i) == 0 .or. direct(j) == 0
+    if (is_general) is_general = transformation%first(i + 1) > transformation%first(i) .and. &
+      transformation%first(j + 1) > transformation%first(j)
+  end function is_general_entry
+
+
   !> The transposed entries of K that the upper triangle of A needs: those that touch an unknown which is not direct.
-  pure function mirror_entries(matrix, rows, transformation, direct) result(mirrored)
+  pure function mirror_entries(matrix, general, transformation, direct) result(mirrored)
     type(sparse_type), intent(in) :: matrix    !< K, upper triangle
-    integer, intent(in) :: rows(:)             !< of general_rows
+    integer, intent(in) :: general(:)          !< of general_rows
     type(sparse_type), intent(in) :: transformation   !< C
     integer, intent(in) :: direct(:)           !< (n) as in reduction_type
     type(sparse_type) :: mirrored              !< pattern only
@@ -214,10 +218,10 @@ contains
     mirrored%n_rows = matrix%n_rows
     mirrored%n_columns = matrix%n_rows
     next = 0
-    do k = 1, size(rows)
-      i = rows(k)
+    do k = 1, size(general)
+      i = general(k)
       do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
-        if (is_needed(i, matrix%column(p))) next(matrix%column(p)) = next(matrix%column(p)) + 1
+        if (is_general_entry(transformation, direct, i, matrix%column(p))) next(matrix%column(p)) = next(matrix%column(p)) + 1
       end do
     end do
     allocate (mirrored%first(matrix%n_rows + 1))
@@ -227,30 +231,15 @@ contains
     end do
     next = mirrored%first(:matrix%n_rows)
     allocate (mirrored%column(mirrored%first(matrix%n_rows + 1) - 1))
-    do k = 1, size(rows)
-      i = rows(k)
+    do k = 1, size(general)
+      i = general(k)
       do p = matrix%first(i) + 1, matrix%first(i + 1) - 1
         j = matrix%column(p)
-        if (.not. is_needed(i, j)) cycle
+        if (.not. is_general_entry(transformation, direct, i, j)) cycle
         mirrored%column(next(j)) = i
         next(j) = next(j) + 1
       end do
     end do
-
-  contains
-
-    !> Whether the transposed entry of (i, j) is needed.
-    pure logical function is_needed(i, j)
-      integer, intent(in) :: i, j
-      is_needed = direct(i) == 0 .or. direct(j) == 0
-      if (is_needed) is_needed = width(i) > 0 .and. width(j) > 0
-    end function is_needed
-
-    !> Entries of one row of C.
-    pure integer function width(row)
-      integer, intent(in) :: row
-      width = transformation%first(row + 1) - transformation%first(row)
-    end function width
   end function mirror_entries
 
 
@@ -300,25 +289,24 @@ contains
 
 
   !> The entries of K that touch an unknown which is not direct; for each row the columns of s and their targets in A.
-  subroutine find_pair_targets(matrix, transformation, reduced, reduction, error)
+  subroutine find_pair_targets(matrix, general, transformation, reduced, reduction, error)
     type(sparse_type), intent(in) :: matrix, transformation, reduced
+    integer, intent(in) :: general(:)          !< of general_rows
     type(reduction_type), intent(inout) :: reduction
     type(error_type), allocatable, intent(out) :: error
     integer :: place(transformation%n_columns), slot_of(transformation%n_columns)
     type(growing_list_type) :: rows, row_first, entries, widths, slots, targets
-    integer, allocatable :: general(:), columns(:)
+    integer, allocatable :: columns(:)
     integer :: i, k, p, a, n_before
     place = 0
     slot_of = 0
-    general = general_rows(matrix, transformation, reduction%direct)
     do k = 1, size(general)
       i = general(k)
       n_before = entries%n
       do p = matrix%first(i), matrix%first(i + 1) - 1
         associate (j => matrix%column(p))
-          if (reduction%direct(i) > 0 .and. reduction%direct(j) > 0) cycle
           if (reduction%direct(i) == IDLE .or. reduction%direct(j) == IDLE) cycle
-          if (width(i) > 0 .and. width(j) > 0) call entries%append(p)
+          if (is_general_entry(transformation, reduction%direct, i, j)) call entries%append(p)
         end associate
       end do
       if (entries%n == n_before) cycle
@@ -342,13 +330,6 @@ contains
     call widths%to_array(reduction%width)
     call slots%to_array(reduction%slot)
     call targets%to_array(reduction%target)
-  contains
-
-    !> Entries of one row of C.
-    pure integer function width(row)
-      integer, intent(in) :: row
-      width = transformation%first(row + 1) - transformation%first(row)
-    end function width
   end subroutine find_pair_targets
 
 

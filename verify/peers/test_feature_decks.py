@@ -83,16 +83,22 @@ def fields_apart(ours: Path, theirs: Path, is_noise: bool = False) -> list[tuple
     return result
 
 
+def run_both(run: Callable[..., object], folder: Path, text: str) -> object:
+    """Runs a deck in CalculiX in a folder and here in its folder `ours`; our process."""
+    ours = folder / "ours"
+    ours.mkdir()
+    for place in (folder, ours):
+        (place / "job.inp").write_text(text)
+    run_peer(folder)
+    return run(["--dialect=calculix", "job"], cwd=ours)
+
+
 @pytest.mark.parametrize("name", parameters())
 def test_deck(name: str, run: Callable[..., object], tmp_path: Path) -> None:
     """All tables and fields within the tolerance of their largest value."""
     text = CASES[name]
     ours = tmp_path / "ours"
-    ours.mkdir()
-    for folder in (tmp_path, ours):
-        (folder / "job.inp").write_text(text)
-    run_peer(tmp_path)
-    result = run(["--dialect=calculix", "job"], cwd=ours)
+    result = run_both(run, tmp_path, text)
     assert result.returncode == 0, result.stdout + result.stderr  # type: ignore[attr-defined]
     # CalculiX 2.20 writes "print" where its later releases write "spring".
     for path in (tmp_path / "job.dat",):
@@ -141,11 +147,7 @@ def test_rotation_about_several_axes(run: Callable[..., object], tmp_path: Path)
     for option, load in (("", about_x), ("", about_x + about_y), (", OP=NEW", about_y)):
         text += feature_decks.step(f"*DLOAD{option}\n" + load + print_out)
     ours = tmp_path / "ours"
-    ours.mkdir()
-    for folder in (tmp_path, ours):
-        (folder / "job.inp").write_text(text)
-    run_peer(tmp_path)
-    result = run(["--dialect=calculix", "job"], cwd=ours)
+    result = run_both(run, tmp_path, text)
     assert result.returncode == 0  # type: ignore[attr-defined]
     output = result.stdout + result.stderr  # type: ignore[attr-defined]
     assert " ".join(output.split()).count("CalculiX applies one of them alone") == 2
@@ -160,11 +162,7 @@ def test_rotation_about_several_axes(run: Callable[..., object], tmp_path: Path)
 
 def test_gaps_of_mortar(run: Callable[..., object], tmp_path: Path) -> None:
     """CalculiX writes the gap of a mortar pair times the area of the node: 1/24, 1/12 and 1/6 of a face of 2 by 3 squares. Pressures are the same."""
-    (tmp_path / "ours").mkdir()
-    for folder in (tmp_path, tmp_path / "ours"):
-        (folder / "job.inp").write_text(CASES["gaps-m"])
-    run_peer(tmp_path)
-    run(["--dialect=calculix", "job"], cwd=tmp_path / "ours")
+    run_both(run, tmp_path, CASES["gaps-m"])
     theirs, ours = (next(block for block in read_frd(folder / "job.frd") if block.title == "CONTACT") for folder in (tmp_path, tmp_path / "ours"))
     assert len(theirs.rows) == 12
     for node, row in theirs.rows.items():
