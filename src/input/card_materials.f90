@@ -167,8 +167,9 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%card('USER MATERIAL', SCOPE_MODEL, 'The stress by a routine UMAT of the user, with the arguments of Abaqus, ' // &
       'in place of ELASTIC: amontons job user=file. NTENS is 6 in space, 4 in plane strain and around an axis, 3 in plane ' // &
-      'stress, 1 in trusses. Calculix dialect: names that begin with TENSION_ONLY, COMPRESSION_ONLY (E and the largest stress ' // &
-      'of the other side), CIARLET_EL, LIN_ISO_EL (E and nu), ELASTIC_FIBER (C1, D1; a1, a2, k1, k2 of each fibre), ' // &
+      'stress and in shells above TRANSVERSE SHEAR STIFFNESS, 1 in trusses. Calculix dialect: names that ' // &
+      'begin with TENSION_ONLY, COMPRESSION_ONLY (E and the largest stress of the other side), CIARLET_EL, LIN_ISO_EL ' // &
+      '(E and nu), ELASTIC_FIBER (C1, D1; a1, a2, k1, k2 of each fibre), ' // &
       'SINGLE_CRYSTAL, SINGLE_CRYSTAL_CREEP, ANISO_PLAS, ANISO_CREEP, LIN_EL_COROT or UNDO_NLGEOM_LIN need no routine.', &
       parent='MATERIAL', data='the constants, in lines of eight')
     call table%option('CONSTANTS', VALUE_INTEGER, 'Number of constants (NPROPS).', default='required')

@@ -286,7 +286,8 @@ contains
   !> Whether a material is not the same in all directions.
   pure logical function has_directions(material)
     type(material_type), intent(in) :: material
-    has_directions = material%elastic_kind == ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC
+    has_directions = material%elastic_kind == ELASTIC_ORTHOTROPIC .or. material%elastic_kind == ELASTIC_ANISOTROPIC .or. &
+      material%is_shell_law
     if (allocated(material%expansion%value)) has_directions = has_directions .or. size(material%expansion%value, 1) > 1
   end function has_directions
 

@@ -238,7 +238,7 @@ contains
   end subroutine add_anisotropic_material
 
 
-  !> Adds a material that is another one with given shear moduli 13, 23; linear elastic.
+  !> Adds a material that is another one with given shear moduli 13, 23: linear elastic, or by UMAT, which then is a law of shells.
   subroutine add_sheared_material(model, original, G)
     type(model_type), intent(inout) :: model
     integer, intent(in) :: original              !< index of the material
@@ -249,6 +249,12 @@ contains
     integer, parameter :: DECK_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< the decks order the shears 12 13 23
     integer :: i, j, k, t
     material = model%materials(original)
+    if (material%is_user) then
+      material%is_shell_law = .true.
+      material%transverse_shear = G
+      model%materials = [model%materials, material]
+      return
+    end if
     allocate (constants(21, size(material%elastic%value, 2)))
     do t = 1, size(constants, 2)
       C = elasticity_matrix(material%elastic_kind, material%elastic%value(:, t))

@@ -147,9 +147,10 @@ contains
     end do
     do m = 1, size(model%materials)
       associate (material => model%materials(m))
-        if (is_used(m) .and. material%is_user .and. .not. material%is_called_in_3d) call report_note(reader, 0, 'The routine ' // &
-          'of the material ''' // material%name // ''' is called with NTENS = 6 in shells and beams, which are solids here; ' // &
-          'one for plane stress gives wrong stresses. SPATIAL on *USER MATERIAL says that it serves, and ends this note.')
+        if (is_used(m) .and. material%is_user .and. .not. (material%is_called_in_3d .or. material%is_shell_law)) call report_note( &
+          reader, 0, 'The routine of the material ''' // material%name // ''' is called with NTENS = 6 in shells and beams, ' // &
+          'which are solids here; one for plane stress gives wrong stresses. *TRANSVERSE SHEAR STIFFNESS below the section of ' // &
+          'shells calls it with NTENS = 3, as Abaqus does; SPATIAL on *USER MATERIAL says that it serves, and ends this note.')
       end associate
     end do
   end subroutine report_routines_of_shells

@@ -67,6 +67,7 @@ contains
         call read_shell_section(reader, c, parameters, row, is_quadratic, section, model)
         if (has_parameter(parameters, 'MATERIAL') .or. has_parameter(parameters, 'COMPOSITE')) call replace_materials(reader, c, &
           is_quadratic, section, material, model)
+        if (set > 0 .and. material > 0) call refuse_axisymmetric_law(reader, c, model, set, material, draft)
         if (allocated(section%layers)) material = section%layers(1)%material
       else
         call read_beam_section(reader, c, parameters, row, section)
@@ -89,6 +90,23 @@ contains
     call report_lost_shear(reader)
     if (any(draft%is_rigid)) call add_rigid_sections(reader, model, draft)
   end subroutine read_structural_sections
+
+
+  !> Reports axisymmetric shells whose UMAT would be called for the plane stress of shells.
+  subroutine refuse_axisymmetric_law(reader, c, model, set, material, draft)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card of the section
+    type(model_type), intent(in) :: model        !< with the element sets of drafts
+    integer, intent(in) :: set, material         !< of the section
+    type(element_draft_type), intent(in) :: draft
+    integer :: i
+    if (.not. model%materials(material)%is_shell_law) return
+    associate (members => model%mesh%element_sets(set)%members)
+      if (any([(any(draft%kind(members(i)) == [KIND_SAX1, KIND_SAX2]), i=1, size(members))])) call report_error(reader, &
+        reader%cards%cards(c)%line, 'SAX1 and SAX2 of a *USER MATERIAL take no *TRANSVERSE SHEAR STIFFNESS: they are ' // &
+        'axisymmetric solids here, for which UMAT is called with NTENS = 4. Leave the card out.')
+    end associate
+  end subroutine refuse_axisymmetric_law
 
 
   !> Whether the displacement of the shells of a section is quadratic over the thickness, on which the materials of layers with a

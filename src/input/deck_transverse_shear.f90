@@ -208,11 +208,15 @@ contains
       layers = [layer_type(thickness=section%thickness(1), material=material)]
     end if
     if (any(layers%material == 0)) return        ! reported
-    allocate (Q(2, size(layers)))
+    call check_user_layers(reader, c, layers, model%materials, is_given)
+    if (.not. is_given) return
+    allocate (Q(2, size(layers)), source=1.0_DP)     ! of UMAT: all the same
     do l = 1, size(layers)
       call check_layer(reader, c, layers(l), model%materials(layers(l)%material), is_given)
       if (.not. is_given) return
-      Q(:, l) = bending_moduli(model%materials(layers(l)%material), layers(l)%angle)
+      associate (material => model%materials(layers(l)%material))
+        if (.not. material%is_user) Q(:, l) = bending_moduli(material, layers(l)%angle)
+      end associate
     end do
     G = transverse_shear_moduli(K, layers%thickness, Q, is_quadratic)
     do l = 1, size(layers)
@@ -221,6 +225,21 @@ contains
     end do
     material = size(model%materials)
   end subroutine replace_materials
+
+
+  !> Reports layers by UMAT unless all are of one law in one direction: the stiffness of others is not known when the deck is read.
+  subroutine check_user_layers(reader, c, layers, materials, is_ok)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c                     !< index of the card of the section
+    type(layer_type), intent(in) :: layers(:)
+    type(material_type), intent(in) :: materials(:)
+    logical, intent(out) :: is_ok
+    is_ok = .not. any(materials(layers%material)%is_user) .or. (all(layers%material == layers(1)%material) .and. &
+      maxval(abs(layers%angle - layers(1)%angle)) <= 0)
+    if (.not. is_ok) call report_error(reader, shear_line(reader, c), 'Above *TRANSVERSE SHEAR STIFFNESS the layers of a ' // &
+      '*USER MATERIAL all have the same material and angle: the shear moduli of others follow from their stiffness, which ' // &
+      'UMAT alone knows. Leave the card out; UMAT is then called with NTENS = 6.')
+  end subroutine check_user_layers
 
 
   !> Reports a layer with axes of its own, or a material that is not plain.
@@ -237,7 +256,14 @@ contains
         'their own: the stiffness is that of the axes of the section.')
       return
     end if
-    is_ok = has_plain_elasticity(material)
+    is_ok = .not. (material%is_user .and. material%is_called_in_3d)
+    if (.not. is_ok) then
+      call report_error(reader, shear_line(reader, c), 'The material ''' // material%name // &
+        ''' is by UMAT in space (SPATIAL): its transverse shear is part of its law. Leave the card out, or SPATIAL, without ' // &
+        'which UMAT gives the plane stress of shells.')
+      return
+    end if
+    is_ok = has_plain_elasticity(material) .or. material%is_user
     if (.not. is_ok) call report_error(reader, shear_line(reader, c), 'The material ''' // material%name // &
       ''' is not linear elastic: its transverse shear is part of its law here. Leave the card out, which gives the shell the ' // &
       'shear stiffness of the material.')

@@ -40,7 +40,7 @@ module amontons_material_point
     check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, &
     pack_voigt, push_forward, unpack_voigt, von_mises
-  use amontons_user_material, only: umat_point_type, evaluate_umat
+  use amontons_user_material, only: umat_point_type, evaluate_umat, transverse_energy
   implicit none
   private
   public :: material_point_type, update_material_point, cut_stress, elastic_strain_from_stress, evaluate_thermal_strain, &
@@ -167,11 +167,13 @@ contains
     integer, intent(out) :: status                 !< STRESS_...
     type(moduli_type) :: moduli
     type(material_point_type) :: start
+    real(DP) :: Q(6, 6)
     logical :: is_accepted
     status = STRESS_OK
     if (.not. allocated(point%user)) then
       point%stress = 0
-      point%tangent = material%at_rest
+      Q = voigt_transformation(point%frame)
+      point%tangent = matmul(Q, matmul(material%at_rest, transpose(Q)))
       point%energy = 0
       return
     end if
@@ -189,7 +191,7 @@ contains
     call evaluate_umat(material, is_nlgeom, point%H, point%strain, point%frame, point%user, point%stress, point%tangent, &
       is_accepted)
     if (.not. is_accepted) status = STRESS_NOT_FINITE
-    point%energy = point%user%values%energies(1)
+    point%energy = point%user%values%energies(1) + transverse_energy(material, point%user%values%stress)
     if (is_nlgeom) point%strain = evaluate_output_strain(material, point%H)
   end subroutine evaluate_user_law
 

@@ -23,7 +23,7 @@ module amontons_user_material
   use amontons_user_routines, only: umat_type, call_umat, USER_NAME_LENGTH
   implicit none
   private
-  public :: umat_point_type, evaluate_umat, find_initial_tangent
+  public :: umat_point_type, evaluate_umat, find_initial_tangent, transverse_energy
 
   !> Data of a UMAT point beside strain and stress, input and output.
   type :: umat_point_type
@@ -66,6 +66,8 @@ contains
       is_accepted = values%is_accepted == 1 .and. all(abs(values%stress) <= huge(1.0_DP)) .and. &
         all(abs(values%ddsdde) <= huge(1.0_DP)) .and. all(abs(history(USER_STATE - HISTORY_OFFSET:)) <= huge(1.0_DP))
       if (.not. is_accepted) return
+      if (material%is_shell_law) call add_transverse_stress(material, is_nlgeom, user%history_old(USER_STRESS - HISTORY_OFFSET: &
+        USER_STRESS - HISTORY_OFFSET + 5), values)
       history(USER_STRESS - HISTORY_OFFSET:USER_STRESS - HISTORY_OFFSET + 5) = values%stress
       history(USER_STRAIN - HISTORY_OFFSET:USER_STRAIN - HISTORY_OFFSET + 5) = values%stran + values%dstran
       history(USER_GRADIENT - HISTORY_OFFSET:USER_GRADIENT - HISTORY_OFFSET + 8) = reshape(H, [9])
@@ -84,6 +86,39 @@ contains
       call convert_jaumann_to_lie(stress, tangent)
     end if
   end subroutine evaluate_umat
+
+
+  !> What a law of the plane stress of shells does not give: the stresses 33, 13, 23 and their tangent, in the local axes.
+  !!
+  !! 13 and 23 are linear in their strains. 33 is free, so it is zero in the mean over the shell: at small strain it depends on its
+  !! strain alone, and the thickness stays; at finite strain on the change of the volume, which stays, as in plane stress.
+  pure subroutine add_transverse_stress(material, is_nlgeom, before, values)
+    type(material_type), intent(in) :: material
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(in) :: before(6)              !< stress at the start of the increment, 11 22 33 12 13 23 [stress]
+    type(umat_type), intent(inout) :: values
+    values%stress([3, 5, 6]) = before([3, 5, 6])
+    associate (c => values%ddsdde, modulus => material%at_rest(3, 3))
+      c(3, 3) = modulus
+      if (is_nlgeom) c(3, :2) = modulus
+      c(5:6, 5:6) = material%transverse_shear
+      values%stress(3) = values%stress(3) + dot_product(c(3, :3), values%dstran(:3))
+      values%stress(5:6) = values%stress(5:6) + matmul(material%transverse_shear, values%dstran(5:6))
+    end associate
+  end subroutine add_transverse_stress
+
+
+  !> The elastic energy of these stresses.
+  pure real(DP) function transverse_energy(material, stress) result(energy)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: stress(6)              !< 11 22 33 12 13 23 [stress]
+    energy = 0
+    if (.not. material%is_shell_law) return
+    associate (G => material%transverse_shear, t => stress(5:6))
+      energy = 0.5_DP * stress(3)**2 / material%at_rest(3, 3) + 0.5_DP * (G(2, 2) * t(1)**2 - (G(1, 2) + G(2, 1)) * t(1) * t(2) + &
+        G(1, 1) * t(2)**2) / (G(1, 1) * G(2, 2) - G(1, 2) * G(2, 1))
+    end associate
+  end function transverse_energy
 
 
   !> The increment at small strain, in the local axes.
@@ -220,7 +255,7 @@ contains
     real(DP), intent(in) :: initial_statev(:)      !< there
     type(error_type), allocatable, intent(out) :: error
     type(umat_type) :: values
-    real(DP) :: statev(size(initial_statev))
+    real(DP) :: statev(size(initial_statev)), solid(6, 6)
     character(USER_NAME_LENGTH) :: name
     name = material%name
     values = at_rest
@@ -231,13 +266,28 @@ contains
         ''' at rest (no strain, initial STATEV): it calls XIT, or gives what is not finite.')
       return
     end if
-    call complete_3d_tangent([at_rest%ndi, at_rest%nshr], values%ddsdde)
+    solid = values%ddsdde
+    call complete_3d_tangent([at_rest%ndi, at_rest%nshr], solid)
+    if (material%is_shell_law) then
+      call complete_shell_tangent(material%transverse_shear, values%ddsdde)
+    else
+      values%ddsdde = solid
+    end if
     material%at_rest = 0.5_DP * (values%ddsdde(ABAQUS_ORDER, ABAQUS_ORDER) + transpose(values%ddsdde(ABAQUS_ORDER, ABAQUS_ORDER)))
-    associate (G => material%at_rest(4, 4), lambda => material%at_rest(1, 2))
+    associate (G => solid(4, 4), lambda => 0.5_DP * (solid(1, 2) + solid(2, 1)))
       if (G + lambda > 0) material%youngs_modulus = G * (3 * lambda + 2 * G) / (lambda + G)
       if (G + lambda > 0) material%poissons_ratio = lambda / (2 * (lambda + G))
     end associate
   end subroutine find_initial_tangent
+
+
+  !> Adds the entries 33, 13, 23 of a law of shells: 33 is as stiff as 11 and 22, but not softer than the shear.
+  pure subroutine complete_shell_tangent(shear, c)
+    real(DP), intent(in) :: shear(2, 2)            !< [stress]
+    real(DP), intent(inout) :: c(6, 6)             !< 11 22 33 12 13 23 [stress]
+    c(3, 3) = max(0.5_DP * (c(1, 1) + c(2, 2)), 0.5_DP * (shear(1, 1) + shear(2, 2)))
+    c(5:6, 5:6) = shear
+  end subroutine complete_shell_tangent
 
 
   !> Adds tangent entries that a plane or uniaxial law does not provide, as if it were isotropic (uniaxial: with nu = 0.3).

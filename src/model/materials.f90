@@ -161,6 +161,8 @@ module amontons_materials
     logical :: is_user = .false.                !< UMAT gives the stress
     logical :: is_user_field = .false.          !< USDFLD gives the field variables at its points
     logical :: is_called_in_3d = .false.             !< UMAT is called with three-dimensional arguments for all elements
+    logical :: is_shell_law = .false.           !< UMAT is called for the plane stress of shells
+    real(DP) :: transverse_shear(2, 2) = 0      !< of a shell law: stresses 13, 23 over their strains, in its axes [stress]
     character(:), allocatable :: library        !< file of its routine; unallocated: that of the job
     real(DP), allocatable :: props(:)           !< its PROPS
     integer :: n_statev = 0                     !< number of the STATEV of UMAT or USDFLD

@@ -4,7 +4,7 @@ module amontons_user_state
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_NOT_CONVERGED
   use amontons_element, only: evaluate_element_volume, set_temperature_weights
-  use amontons_materials, only: USER_STRESS, USER_STATE, USER_FIELD, USER_VERDICT, HISTORY_PEEQ, HISTORY_INELASTIC
+  use amontons_materials, only: material_type, USER_STRESS, USER_STATE, USER_FIELD, USER_VERDICT, HISTORY_PEEQ, HISTORY_INELASTIC
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, material_in_step
   use amontons_element_integration_points, only: integration_points_type
@@ -35,7 +35,8 @@ contains
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), x(3, &
       MAX_ELEMENT_NODES), volume, dt
     integer :: n_rule, n_nodes, nodes(MAX_ELEMENT_NODES), p, m, first, n_history, status, components(2)
-    components = count_stress_components(model%mesh%kind(e))
+    m = material_in_step(model, state%new%step, e)
+    components = umat_components(model%materials(m), model%mesh%kind(e))
     call element_nodes(model%mesh, e, n_nodes, nodes)
     x(:, :n_nodes) = model%mesh%coordinates(:, nodes(:n_nodes))
     call evaluate_element_volume(model%mesh%kind(e), x(:, :n_nodes), model%mesh%section_value(e), volume, status, &
@@ -44,7 +45,6 @@ contains
     call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
     dt = state%new%total_time - state%old%total_time
     first = model%mesh%point_first(e)
-    m = material_in_step(model, state%new%step, e)
     n_history = model%materials(m)%n_history
     if (allocated(points%user)) deallocate (points%user)
     allocate (points%user(model%mesh%point_first(e + 1) - first))
@@ -60,15 +60,24 @@ contains
         values%celent = max(volume, 0.0_DP)**(1 / 3.0_DP)
         values%noel = model%mesh%element_label(e)
         values%npt = p
-        if (.not. model%materials(m)%is_called_in_3d) then
-          values%ndi = components(1)
-          values%nshr = components(2)
-        end if
+        values%ndi = components(1)
+        values%nshr = components(2)
         values%step = state%new%step
         values%increment = state%new%increment
       end associate
     end do
   end subroutine load_umat_points
+
+
+  !> Number of normal and shear components that UMAT gets in an element.
+  pure function umat_components(material, kind) result(components)
+    type(material_type), intent(in) :: material
+    integer, intent(in) :: kind                    !< KIND_...
+    integer :: components(2)
+    components = count_stress_components(kind)
+    if (material%is_shell_law) components = [2, 1]
+    if (material%is_called_in_3d) components = [3, 3]
+  end function umat_components
 
 
   !> Number of normal and shear components of an element kind in Abaqus.
@@ -89,18 +98,26 @@ contains
   end function count_stress_components
 
 
-  !> The largest number of components over the elements of a material.
+  !> The largest number of components over the elements of a material. One without elements whose name a law of shells has is that
+  !! law.
   pure function max_stress_components(model, m) result(components)
     type(model_type), intent(in) :: model
     integer, intent(in) :: m                       !< material
     integer :: components(2)
-    integer :: element_components(2), e
+    integer :: element_components(2), e, k
+    logical :: is_used
     components = [1, 0]
     if (model%materials(m)%is_called_in_3d) components = [3, 3]
+    is_used = .false.
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) /= m) cycle
-      element_components = count_stress_components(model%mesh%kind(e))
+      is_used = .true.
+      element_components = umat_components(model%materials(m), model%mesh%kind(e))
       if (sum(element_components) > sum(components)) components = element_components
+    end do
+    if (is_used) return
+    do k = m, size(model%materials)
+      if (model%materials(k)%is_shell_law .and. model%materials(k)%name == model%materials(m)%name) components = [2, 1]
     end do
   end function max_stress_components
 

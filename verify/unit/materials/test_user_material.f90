@@ -6,7 +6,7 @@ program test_user_material
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, USER_STRESS, USER_STATE, USER_STRAIN
   use amontons_tensor, only: IDENTITY, determinant, pack_voigt, unpack_voigt
-  use amontons_user_material, only: umat_point_type, evaluate_umat, find_initial_tangent
+  use amontons_user_material, only: umat_point_type, evaluate_umat, find_initial_tangent, transverse_energy
   use amontons_user_routines, only: umat_type, open_routines, close_routines, has_routine, ROUTINE_UMAT, ROUTINE_DLOAD, &
     ROUTINE_FRIC
   use check, only: suite_type
@@ -20,6 +20,7 @@ program test_user_material
   call check_rotation()
   call check_refusal()
   call check_initial()
+  call check_shell()
   call check_missing()
   call suite%finish()
 
@@ -59,6 +60,47 @@ contains
     type(umat_point_type), intent(out) :: user
     allocate (user%history_old(USER_STATE - USER_STRESS + 1), source=0.0_DP)
   end subroutine make_point
+
+
+  !> A law of shells: UMAT gives 11, 22, 12; 13 and 23 have the moduli of the section, 33 is free, at finite strain by the volume.
+  subroutine check_shell()
+    type(material_type) :: shell
+    type(umat_type) :: at_rest
+    type(umat_point_type) :: user
+    type(error_type), allocatable :: error
+    real(DP) :: strain(6), stress(6), c(6, 6), H(3, 3), expected(6)
+    logical :: is_accepted
+    shell = material
+    shell%is_shell_law = .true.
+    shell%transverse_shear = reshape([0.5_DP, 0.1_DP, 0.1_DP, 0.7_DP], [2, 2])   ! 13, 23
+    at_rest%ndi = 2
+    at_rest%nshr = 1
+    call find_initial_tangent(shell, at_rest, [0.0_DP], error)
+    call suite%that('shell at rest', .not. allocated(error))
+    call suite%near('33 is as stiff as 11', shell%at_rest(3, 3), LAMBDA + 2 * G, 1.0e-14_DP)
+    call suite%near('33 alone', norm2(shell%at_rest([1, 2, 4, 5, 6], 3)), 0.0_DP, 0.0_DP)
+    call make_point(user)
+    user%values%ndi = 2
+    user%values%nshr = 1
+    strain = [0.1_DP, -0.2_DP, 0.3_DP, 0.4_DP, 0.5_DP, 0.6_DP]      ! xx yy zz xy yz xz
+    H = unpack_voigt(strain)
+    call evaluate_umat(shell, .false., H, strain, IDENTITY, user, stress, c, is_accepted)
+    expected = [LAMBDA * (-0.1_DP) + 2 * G * 0.1_DP, LAMBDA * (-0.1_DP) - 2 * G * 0.2_DP, (LAMBDA + 2 * G) * 0.3_DP, &
+      2 * G * 0.4_DP, 2 * (0.7_DP * 0.5_DP + 0.1_DP * 0.6_DP), 2 * (0.5_DP * 0.6_DP + 0.1_DP * 0.5_DP)]
+    call suite%near('stress of a shell', norm2(stress - expected), 0.0_DP, 1.0e-14_DP)
+    call suite%near('its energy across', transverse_energy(shell, user%values%stress), 0.5_DP * ((LAMBDA + 2 * G) * 0.09_DP + &
+      2 * (expected(5) * 0.5_DP + expected(6) * 0.6_DP)), 1.0e-14_DP)
+    call make_point(user)
+    user%has_orientation = .true.
+    user%values%ndi = 2
+    user%values%nshr = 1
+    H = 0
+    H(1, 1) = 0.02_DP
+    H(3, 3) = 1 / 1.02_DP - 1
+    call evaluate_umat(shell, .true., H, strain, IDENTITY, user, stress, c, is_accepted)
+    call suite%near('constant volume: no stress across', stress(3), 0.0_DP, 1.0e-5_DP)
+    call suite%that('stress along', stress(1) > 0.02_DP * (LAMBDA + 2 * G) * 0.95_DP)
+  end subroutine check_shell
 
 
   !> Small strain: Hooke's law in our order of components, the strain and the count in the history.
