@@ -28,13 +28,22 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """What runs another program beside ours is slow; tests that share a job stay on one worker, which runs it once (--dist loadgroup)."""
     for item in items:
         if "peers" in item.path.parts:
             item.add_marker(pytest.mark.slow)
         if isinstance(item, pytest.Function) and (name := shared_work(item)):
             item.add_marker(pytest.mark.xdist_group(name))
+            if getattr(config.option, "loadgroup", False):
+                name_group(item, name)
+
+
+def name_group(item: pytest.Item, name: str) -> None:
+    """The group at the end of the name by which pytest-xdist deals out tests: its 3.8 writes it where pytest 9.2 does not read it any more,
+    so that each worker ran what tests share again."""
+    if hasattr(item, "_id"):
+        setattr(item, "_id", type(item._id).parse(f"{item.nodeid}@{name}"))  # noqa: B010
 
 
 def shared_work(item: pytest.Function) -> str:
