@@ -54,7 +54,7 @@ HISTORY = ("doc/verification/", "doc/developer/decisions/")
 #: Files whose public procedures programs of users call.
 INTERFACES = {"library", "c_interface", "main"}
 
-WORD = re.compile("|".join(rf"(?P<w{i}>(?<![A-Za-z])(?:{words})(?![A-Za-z]))" for i, words in enumerate(RETIRED_WORDS)), re.I)
+WORD = re.compile(rf"(?<![A-Za-z])(?=\w)(?:{'|'.join(rf'(?P<w{i}>{words})' for i, words in enumerate(RETIRED_WORDS))})(?![A-Za-z])", re.I)
 PARAMETER = re.compile(r"^(?P<head>[^'\"]*\bparameter\b[^'\"]*?)::\s*(?P<list>.+)$", re.I)
 NUMBER = re.compile(r"^[-+]?[\d.]+(?:e[-+]?\d+)?(?:_\w+)?$", re.I)
 PUBLIC = re.compile(r"^public\s*(?:::)?\s*(?P<list>.+)$", re.I)
