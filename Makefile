@@ -236,9 +236,10 @@ report: all $(VENV)/installed ## Turn JOB=job.vtkhdf into one HTML page beside i
 programs: all
 	@$(MAKE) unit
 
-# Each test with one thread and as many tests at once as there are processors; tests of threads set their own.
+# Each test with one thread, and one test more at once than there are processors, because some wait: for the disk, for a routine that sleeps. Tests
+# of threads set their own.
 PYTEST = OMP_NUM_THREADS=$${OMP_NUM_THREADS:-1} AMONTONS_BIN=$(BIN) AMONTONS_LIB=$(LIB) AMONTONS_UNITS=$(B)/unit \
-  $(PY) -m pytest -n $(JOBS) --dist loadgroup $(PYTEST_OPTIONS)
+  $(PY) -m pytest -n $$(($(JOBS) + 1)) --dist loadgroup $(PYTEST_OPTIONS)
 
 test: programs $(VENV)/installed $(VENV)-doc/installed $(VENV)-api/installed ## Run all tests, those of the documentation site among them
 	@$(PYTEST) verify
@@ -372,6 +373,7 @@ deb: ready ## Build a Debian package into dist
 	@$(MAKE) BUILD=portable pack-deb
 
 DEB := build/deb
+PACKING ?=#             options of dpkg-deb and auditwheel: the tests pack with little compression, -z1
 pack-deb:
 	@rm -rf $(DEB) && mkdir -p $(DEB)/tree/DEBIAN $(DEB)/debian $(DIST)
 	@$(MAKE) place B=$(B) BIN=$(BIN) LIB=$(LIB) DESTDIR=$(abspath $(DEB))/tree PREFIX=/usr PYTHON_SITE=/usr/lib/python3/dist-packages >/dev/null
@@ -383,7 +385,7 @@ pack-deb:
 	  > $(DEB)/tree/DEBIAN/control
 	@printf '#!/bin/sh\nldconfig\n' | tee $(DEB)/tree/DEBIAN/postinst > $(DEB)/tree/DEBIAN/postrm
 	@chmod 755 $(DEB)/tree/DEBIAN/postinst $(DEB)/tree/DEBIAN/postrm
-	$(Q)dpkg-deb --root-owner-group --build $(DEB)/tree $(DIST)
+	$(Q)dpkg-deb --root-owner-group $(PACKING) --build $(DEB)/tree $(DIST)
 	@rm -rf $(DEB)
 
 wheel: ready $(VENV)/installed ## Build the Python package with library, program and all they need into dist (Linux, any x86-64 since 2009)
@@ -395,7 +397,7 @@ pack-wheel:
 	@rm -rf $(B)/wheel && mkdir -p $(B)/wheel $(DIST)
 	$(Q)AMONTONS_LIB=$(LIB) AMONTONS_BIN=$(BIN) $(PYTHON_OF_TOOLS) -m pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation \
 	  --wheel-dir $(B)/wheel ./python
-	$(Q)PATH="$(dir $(PYTHON_OF_TOOLS)):$$PATH" $(PYTHON_OF_TOOLS) -m auditwheel repair --wheel-dir $(DIST) $(B)/wheel/amontons-*.whl
+	$(Q)PATH="$(dir $(PYTHON_OF_TOOLS)):$$PATH" $(PYTHON_OF_TOOLS) -m auditwheel repair $(PACKING) --wheel-dir $(DIST) $(B)/wheel/amontons-*.whl
 	@rm -rf $(B)/wheel
 
 clean: ## Remove all that make built, but not .venv

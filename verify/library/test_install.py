@@ -202,7 +202,7 @@ def test_debian_package(root: Path, program: Path, library: Path, tmp_path: Path
     build = (root / os.environ.get("AMONTONS_UNITS", "build/unit")).parent
     clean = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
     subprocess.run(["make", "pack-deb", f"B={build}", f"BIN={program.parent}", f"LIB={library.parent}", f"DEB={tmp_path / 'deb'}",
-                    f"DIST={tmp_path}"], cwd=root, env=clean, capture_output=True, check=True)  # fmt: skip
+                    f"DIST={tmp_path}", "PACKING=-z1"], cwd=root, env=clean, capture_output=True, check=True)  # fmt: skip
     (package,) = tmp_path.glob("amontons_*.deb")
     fields = do(["dpkg-deb", "--field", package], tmp_path)
     version = re.search(r"^Version: (.*)$", fields, re.MULTILINE)

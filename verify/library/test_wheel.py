@@ -44,7 +44,7 @@ def wheel(program: Path, library: Path, tmp_path_factory: pytest.TempPathFactory
     build = (ROOT / os.environ.get("AMONTONS_UNITS", "build/unit")).parent
     environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS")}
     done = subprocess.run(["make", "pack-wheel", f"B={build}", f"BIN={program.parent}", f"LIB={library.parent}", f"DIST={folder}",
-                           f"PYTHON_OF_TOOLS={sys.executable}"], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)  # fmt: skip
+                           f"PYTHON_OF_TOOLS={sys.executable}", "PACKING=-z1"], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     (made,) = folder.glob("*.whl")
     return made
@@ -56,7 +56,8 @@ def place(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("clean") / "venv"
     venv.create(folder, with_pip=False)
     site = Path(sysconfig.get_path("purelib", vars={"base": str(folder), "platbase": str(folder)}))
-    subprocess.run([sys.executable, "-m", "pip", "--python", folder / "bin" / "python", "install", "--quiet", "--no-index", "--no-deps", wheel], check=True)
+    subprocess.run([sys.executable, "-m", "pip", "--python", folder / "bin" / "python", "install", "--quiet", "--no-index", "--no-deps",
+                    "--no-compile", wheel], check=True)  # fmt: skip
     (site / "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
     return folder
 
