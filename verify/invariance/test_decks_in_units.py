@@ -1,5 +1,5 @@
 """CalculiX's decks, of folders beside the repository, in other units: fields to 1e-8, iterations of each step within one, with
-tight controls and in inch and pound with the deck's own.
+tight controls and in inch and pound with the deck's own. Each deck takes one system of units, by turns; all of them with AMONTONS_EVERY_CASE.
 
 The decks are read in place, as the dialect of CalculiX. Two defaults there are numbers without a unit, K = 50 E of HARD and the stick slope E/2: they
 are written out before a deck is scaled, which alone must change no bit of a result.
@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from _pytest.mark import ParameterSet
 
 from verify.cases.proof import Job
 from verify.conftest import ROOT, Run
@@ -26,6 +27,7 @@ FILES = sorted([*DECKS.glob("contact/*.inp"), *DECKS.glob("static/*.inp")])
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(not FILES, reason=f"no decks in {DECKS}; AMONTONS_DECKS says where they are")]
 #: What Newton's method may leave: springs of K = 1e7 on bodies that are soft beside them make 6e-10 of the largest force by rounding.
 TIGHT = 1e-9
+EVERY = bool(os.environ.get("AMONTONS_EVERY_CASE"))
 #: A body that moves by 4e-9 of its size: its coordinates have seven digits of that, and springs of 50 E make pressures of the rest.
 TOLERANCES = {"contactdeleteelement": 1e-4}
 
@@ -53,8 +55,15 @@ def solve(run: Run, folder: Path, deck: str) -> Job:
     return Job(folder / "job.vtkhdf", "job")
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parent.name}-{file.stem}")
-def test_deck(run: Run, tmp_path: Path, file: Path) -> None:
+def file_and_systems() -> list[ParameterSet]:
+    """Each deck with its system of units."""
+    names = list(SYSTEMS)
+    turns = ((file, names if EVERY else [names[i % len(names)]]) for i, file in enumerate(FILES))
+    return [pytest.param(file, chosen, id=f"{file.parent.name}-{file.stem}") for file, chosen in turns]
+
+
+@pytest.mark.parametrize(("file", "systems"), file_and_systems())
+def test_deck(run: Run, tmp_path: Path, file: Path, systems: list[str]) -> None:
     """N and mm as N and m, kN and m, pound and inch."""
     deck = file.read_text()
     text = spelled(deck)
@@ -63,6 +72,7 @@ def test_deck(run: Run, tmp_path: Path, file: Path) -> None:
         whole = solve(run, tmp_path / "as it is", scaled(deck, Units(), TIGHT))
         for name in (name for name in IN_UNITS if has(plain, name)):
             assert np.array_equal(plain.field(name), whole.field(name)), name
-    for system, units in SYSTEMS.items():
+    for system in systems:
+        units = SYSTEMS[system]
         same(solve(run, tmp_path / system, scaled(text, units, TIGHT)), plain, TOLERANCES.get(file.stem, 1e-8), InUnits(units))
     same_counts(solve(run, tmp_path / "own inch", scaled(text, SYSTEMS["inch-pound"], 0)), solve(run, tmp_path / "own", scaled(text, Units(), 0)))

@@ -113,7 +113,7 @@ def test_elastica_of_the_reference() -> None:
     assert elastica_of_a_ring(None, 0.0)[0] == pytest.approx(CONTACT_LOAD, abs=5e-4)
 
 
-@pytest.mark.parametrize(("form", "kind", "n"), [("SURFACE", "CPE8R", 48), ("SURFACE", "CPE8R", 96), ("NODE", "C3D8I", 72), ("NODE", "C3D8I", 96)])
+@pytest.mark.parametrize(("form", "kind", "n"), [("SURFACE", "CPE8R", 48), ("SURFACE", "CPE8R", 96), ("NODE", "C3D8I", 72)])
 def test_post_buckled_tube(run: Run, tmp_path: Path, form: str, kind: str, n: int) -> None:
     """A tube that buckles flat under pressure touches itself at the load of the elastica and then has its contact force.
 

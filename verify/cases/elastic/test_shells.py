@@ -181,7 +181,7 @@ def test_uneven_hemisphere(proof: Proof) -> None:
     case.done()
 
 
-@pytest.mark.parametrize(("n", "is_uneven"), [(8, False), (16, True)], ids=["even", "uneven"])
+@pytest.mark.parametrize(("n", "is_uneven"), [(8, False), (12, True)], ids=["even", "uneven"])
 def test_large_deflection_of_hemisphere(proof: Proof, n: int, is_uneven: bool) -> None:
     """The pinched hemisphere under a hundred times the load: faces that were plane warp."""
     mesh = f"{'uneven ' if is_uneven else ''}{n} x {n}"
@@ -244,16 +244,16 @@ def test_large_deflection_of_quadratic_triangles(proof: Proof) -> None:
     """The pinched hemisphere of S6 under a hundred times the load."""
     case = proof(
         "large-deflection-hemisphere-s6",
-        title="Pinched hemisphere with a hole, large displacements, S6, 16 x 16",
-        model="The pinched hemisphere under forces of 200, NLGEOM, 16 x 16 cells of two triangles.",
+        title="Pinched hemisphere with a hole, large displacements, S6, 14 x 14",
+        model="The pinched hemisphere under forces of 200, NLGEOM, 14 x 14 cells of two triangles.",
         formula="The loaded places move by 3.406 outward and 5.902 inward.",
         source="K. Y. Sze, X. H. Liu, S. H. Lo, Finite Elements in Analysis and Design 40 (2004) 1551-1569: hemispherical shell under alternating radial forces",
         proves="The assumed strains of S6 under large rotations.",
     )
-    body, deck, node, _, _ = hemisphere("S6", 16)
+    body, deck, node, _, _ = hemisphere("S6", 14)
     other = body.at(1, 0)
     load = f"*STEP, NLGEOM, INC=100\n*STATIC\n.1, 1.\n*CLOAD\n{node + 1}, 1, 100.\n{other + 1}, 2, -100.\n*END STEP\n"
-    job = case.run(deck.split("*STEP")[0] + load, "16 x 16")
+    job = case.run(deck.split("*STEP")[0] + load, "14 x 14")
     case.near("outward", float(job.last("U")[node, 0]), 3.406, 0.02, why="2 % is the usual demand", place="loaded place", time="the end")
     case.near("inward", -float(job.last("U")[other, 1]), 5.902, 0.02, why="2 % is the usual demand", place="loaded place", time="the end")
     case.done()
