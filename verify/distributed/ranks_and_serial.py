@@ -103,6 +103,12 @@ def execute(folder: Path, n_ranks: int, *options: str, seconds: float = TIME_LIM
     return outcome
 
 
+def ranks_of(process: subprocess.Popen[bytes]) -> list[int]:
+    """The processes of the ranks."""
+    found = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False).stdout.split()
+    return [int(pid) for pid in found]
+
+
 def scale_of(job: Outcome, name: str) -> float:
     """The largest value of a field; of reactions no less than a lower bound of the largest nodal force. Twice the strain energy is the
     sum of f'u over the n nodes, so that some node has at least f = 2 W / (n |u|): bodies that hold themselves (a ring that rotates) have

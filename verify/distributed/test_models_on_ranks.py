@@ -18,10 +18,10 @@ from verify.decks.shells import Shell, held, section, shell
 from verify.decks.submodels import CARD, block, homogeneous_global, plate_global, plate_submodel, submodel
 from verify.distributed.ranks_and_serial import DIALECT, TOLERANCE, difference, program, run, with_solver
 
-pytestmark = [
-    pytest.mark.skipif(not program("amontons-mpi").exists(), reason="there is no amontons-mpi: make MPI=1 builds it"),
-    pytest.mark.skipif(shutil.which("mpiexec") is None, reason="there is no mpiexec"),
-]
+if not program("amontons-mpi").exists():
+    pytest.skip("there is no amontons-mpi: make MPI=1 builds it", allow_module_level=True)
+if shutil.which("mpiexec") is None:
+    pytest.skip("there is no mpiexec", allow_module_level=True)
 
 LOW, HIGH = np.zeros(3), np.array([4.0, 3.0, 2.0])
 FINITE = "*STEP, NLGEOM, INC=100\n*STATIC\n0.5, 1.\n"

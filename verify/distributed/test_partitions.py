@@ -27,9 +27,8 @@ from vtkmodules.vtkIOHDF import vtkHDFReader
 from amontons.report.data import read_job
 from verify.benchmark.wide_contact import Model, deck_of
 from verify.decks import behaviour_decks
-from verify.distributed.ranks_and_serial import DIALECT, environment, execute, program, run
+from verify.distributed.ranks_and_serial import DIALECT, environment, execute, program, ranks_of, run
 from verify.distributed.test_library_on_ranks import on_ranks
-from verify.distributed.test_ranks import ranks_of
 from verify.study.gradients_samples import sample
 
 needs_ranks = pytest.mark.skipif(

@@ -22,14 +22,16 @@ import pytest
 from verify.benchmark.estimate_table import cube
 from verify.benchmark.ranks_table import estimated_ranks, whole_job
 from verify.benchmark.wide_contact import Model, deck_of
-from verify.distributed.ranks_and_serial import DIALECT, TOLERANCE, Outcome, all_decks, difference, environment, execute, program, run, with_solver
+from verify.distributed.ranks_and_serial import (
+    DIALECT, TOLERANCE, Outcome, all_decks, difference, environment, execute, program, ranks_of, run, with_solver,
+)  # fmt: skip
 from verify.invariance.test_solvers import cantilever
 from verify.study.gradients_samples import sample, with_gradients
 
-pytestmark = [
-    pytest.mark.skipif(not program("amontons-mpi").exists(), reason="there is no amontons-mpi: make MPI=1 builds it"),
-    pytest.mark.skipif(shutil.which("mpiexec") is None, reason="there is no mpiexec"),
-]
+if not program("amontons-mpi").exists():
+    pytest.skip("there is no amontons-mpi: make MPI=1 builds it", allow_module_level=True)
+if shutil.which("mpiexec") is None:
+    pytest.skip("there is no mpiexec", allow_module_level=True)
 
 DECKS = [  #: solids, laws with history, constraints that couple nodes, contact of all formulations, changes between steps
     "mixed/element-C3D8-nl",
@@ -378,12 +380,6 @@ def test_error_of_one_rank_ends_all(tmp_path: Path) -> None:
     assert time.monotonic() - start < 60
     assert done.returncode != 0
     assert errors_in(Outcome(0, done.stdout + done.stderr)) == 1 and "memory" in done.stdout + done.stderr
-
-
-def ranks_of(process: subprocess.Popen[bytes]) -> list[int]:
-    """The processes of the ranks."""
-    found = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False).stdout.split()
-    return [int(pid) for pid in found]
 
 
 def interrupt(folder: Path, sign: int, n_increments: int) -> int:
