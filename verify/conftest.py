@@ -111,7 +111,8 @@ def proof(run: Run, tmp_path: Path, request: pytest.FixtureRequest) -> Callable[
 
     def make(name: str, **words: str) -> Case:
         test = f"{request.node.path.relative_to(ROOT)}::{request.node.name}"
-        return Case(name, runner=run, work=tmp_path, pages=pages, file=request.module.__name__.rpartition(".")[2], test=test, **words)
+        values = tuple(request.node.callspec.indices.values()) if hasattr(request.node, "callspec") else ()
+        return Case(name, runner=run, work=tmp_path, pages=pages, file=request.module.__name__.rpartition(".")[2], test=test, values=values, **words)
 
     return make
 

@@ -1,7 +1,8 @@
 """What a verification case is made of: a job, checks that say all about themselves, and a page of the manual.
 
 A case is a test. It says its model in words, runs one or more jobs, compares with theory by `near`, `within` and `order`,
-and ends with `done`, which writes its page (if `make verify` requests pages) and fails if a check failed:
+and ends with `done`, which keeps its page (if `make verify` requests pages) and fails if a check failed. A test with several sets of values
+makes one page, that of its first set; the other sets stand below it, with what is another in them:
 
     case = proof("name", title=..., model=..., formula=..., source=..., proves=...)
     job = case.run(deck, "coarse")
@@ -175,6 +176,7 @@ class Case:
     pages: Path | None  #: where the page goes
     file: str = ""  #: of the test, without its suffix
     test: str = ""  #: how pytest calls it: verify/cases/contact/test_x.py::test_y[z]
+    values: tuple[int, ...] = ()  #: place of its values in the tables of the test; all 0 for the first set
     checks: list[Check] = field(default_factory=list)
     jobs: list[Job] = field(default_factory=list)
     figures: list[tuple[str, str]] = field(default_factory=list)
@@ -257,33 +259,70 @@ class Case:
         Image.open(store).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(path, optimize=True)
 
     def done(self) -> None:
-        """Writes the page, with a picture of the last job if the case drew none, and judges."""
+        """Keeps what the pages need, with a picture of the last job if the case drew none and begins a page, and judges."""
         if self.pages is not None:
-            if self.jobs and not self.figures:
+            if self.jobs and not self.figures and not any(self.values):
                 from verify.tools import picture
 
                 figure, caption = picture.shape(self.jobs[-1].path)
                 self.figure(lambda: figure, f"Job \"{self.jobs[-1].name}\": {caption}" if len(self.jobs) > 1 else caption)
-            (self.pages / f"{self.name}.md").write_text(self.page())
-            facts = {"name": self.name, "title": self.title, "file": self.file, "checks": [asdict(c) for c in self.checks]}
-            facts["effort"] = [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs]
-            facts["requested"] = [self.wanted.get(job.name) or job.n_increments for job in self.jobs]
-            (self.pages / f"{self.name}.json").write_text(json.dumps(facts, indent=1) + "\n")
+            (self.pages / f"{self.name}.json").write_text(json.dumps(self.facts(), indent=1) + "\n")
         failed = [check.sentence() for check in self.checks if not check.holds]
         assert not failed, "\n".join(failed)
 
-    def page(self) -> str:
-        """The page in Markdown."""
-        parts = [f"# {self.title}", self.model, "## What is expected", self.formula, f"Source: {self.source}"]
-        parts += ["## What was found", check_table([c for c in self.checks if not (c.quantity.startswith(EFFORT) and c.holds)])]
-        parts += [f"![{caption}]({file})\n\n*{caption}*" for file, caption in self.figures]
-        if self.jobs:
-            parts += ["Effort: " + "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs) + f". More than {MAX_ITERATIONS:g} iterations "
-                      "for each increment that the deck requests, failed attempts included, would fail the case."]  # fmt: skip
-        parts += ["## What it proves", self.proves]
-        if self.test:
-            parts += [f"`make verify` writes this page; `.venv/bin/python -m pytest '{self.test}'` runs this case alone."]
-        return "\n\n".join(parts) + "\n"
+    def facts(self) -> dict:
+        """What page and index show."""
+        words = {name: getattr(self, name) for name in ("name", "title", "model", "formula", "source", "proves", "file", "test", "figures", "values")}
+        effort = {"effort": [(job.n_increments, job.n_iterations, job.n_failed) for job in self.jobs],
+                  "requested": [self.wanted.get(job.name) or job.n_increments for job in self.jobs],
+                  "said": "; ".join(f"{job.name}: {job.effort()}" for job in self.jobs)}  # fmt: skip
+        return words | effort | {"checks": [asdict(check) for check in self.checks]}
+
+
+def found(case: dict) -> list[str]:
+    """Checks, pictures and effort of a case."""
+    checks = [Check(**c) for c in case["checks"]]
+    parts = [check_table([c for c in checks if not (c.quantity.startswith(EFFORT) and c.holds)])]
+    parts += [f"![{caption}]({file})\n\n*{caption}*" for file, caption in case["figures"]]
+    return [*parts, f"Effort: {case['said']}."] if case["said"] else parts
+
+
+def page(cases: Sequence[dict]) -> str:
+    """The page of a test in Markdown: its first case, then of each other one what differs."""
+    first = cases[0]
+    parts = [f"# {first['title']}", first["model"], "## What is expected", first["formula"], f"Source: {first['source']}"]
+    parts += ["## What was found", *found(first)]
+    if first["said"]:
+        parts += [f"More than {MAX_ITERATIONS:g} iterations for each increment that the deck requests, failed attempts included, would fail the case."]
+    parts += ["## What it proves", first["proves"]]
+    if first["test"]:
+        parts += [f"`make verify` writes this page; `.venv/bin/python -m pytest '{first['test']}'` runs this case alone."]
+    if len(cases) > 1:
+        parts += ["## The same with other values"]
+    titles = [case["title"] for case in cases]
+    for case in cases[1:]:
+        values = case["test"].partition("[")[2].removesuffix("]").replace("\n", " ")
+        parts += [f"### {case['title']}" + (f": {values}" if titles.count(case["title"]) > 1 and values else "")]
+        parts += [case[name] for name in ("model", "formula", "proves") if case[name] != first[name]] + found(case)
+    return "\n\n".join(parts) + "\n"
+
+
+def write_pages(pages: Path, cases: Sequence[dict]) -> None:
+    """A page for each test, named after its first case; every case learns its page. What cases without a page of their own left before goes."""
+    tests: dict[str, list[dict]] = {}
+    for case in cases:
+        tests.setdefault(case["test"].partition("[")[0] or case["name"], []).append(case)
+    for group in tests.values():
+        group.sort(key=lambda case: (case["values"], case["name"]))
+        for case in group:
+            case["page"] = group[0]["name"]
+            (pages / f"{case['name']}.md").unlink(missing_ok=True)
+        (pages / f"{group[0]['name']}.md").write_text(page(group))
+    kept = {file for case in cases for file, _ in case["figures"]}
+    for case in cases:
+        for picture in pages.glob(f"{case['name']}-*.png"):
+            if re.fullmatch(r"\d+", picture.stem.removeprefix(f"{case['name']}-")) and picture.name not in kept:
+                picture.unlink()
 
 
 def check_table(checks: Sequence[Check]) -> str:
@@ -311,7 +350,7 @@ def effort_table(cases: Sequence[dict]) -> list[str]:
             continue
         requested, iterations, failed = sum(case["requested"]), sum(e[1] for e in case["effort"]), sum(e[2] for e in case["effort"])
         rows.append((requested, iterations, failed))
-        lines.append(f"| [{case['title']}]({case['name']}.md) | {requested} | {iterations} | {failed} | {iterations / max(requested, 1):.1f} |")
+        lines.append(f"| [{case['title']}]({case['page']}.md) | {requested} | {iterations} | {failed} | {iterations / max(requested, 1):.1f} |")
     requested, iterations, failed = (sum(row[i] for row in rows) for i in range(3))
     return [*lines, f"| all | {requested} | {iterations} | {failed} | {iterations / max(requested, 1):.1f} |"]
 
@@ -339,7 +378,7 @@ def index_rows(case: dict) -> list[str]:
             worst[name] = c | {"near": near, "order": c["order"] or worst.get(name, {}).get("order", "")}
         elif c["order"]:
             worst[name]["order"] = c["order"]
-    rows, title = [], f"[{case['title']}]({case['name']}.md)"
+    rows, title = [], f"[{case['title']}]({case['page']}.md)"
     for name, c in worst.items():
         mark = "" if all(o["error"] <= o["tolerance"] for o in case["checks"] if o["quantity"] == name) else " **fails**"
         reference, ours, error, allowed = Check(**{key: value for key, value in c.items() if key != "near"}).cells()
@@ -360,17 +399,19 @@ def chapter_table(chapters: dict[str, list[dict]]) -> list[str]:
 
 
 def write_index(pages: Path) -> float:
-    """index.md from the .json files of the cases, which it takes away; a row per check. Gives the mean effort."""
+    """Pages and index.md from the .json files of the cases, which it takes away; a row per check. Gives the mean effort."""
     files = sorted(pages.glob("*.json"))
     cases = [json.loads(file.read_text()) for file in files]
+    write_pages(pages, cases)
     has_decks = (pages / "calculix-decks.md").exists()
     n_increments, n_iterations, n_failed = (sum(e[i] for c in cases for e in c["effort"]) for i in range(3))
     failing = sum(c["error"] > c["tolerance"] for case in cases for c in case["checks"])
     lines = [
         "# Verification",
         "",
-        "Written by `make verify`; each case is a test in `verify/cases`. A case has a page: the model in words, the formula and its source,",
-        "every check with its place, time, tolerance and why, a picture, and what it proves. Below, for each quantity of a case the check that is",
+        "Written by `make verify`; each case is a test in `verify/cases`. A test has a page: the model in words, the formula and its source,",
+        "every check with its place, time, tolerance and why, a picture, and what it proves; then the checks of its other cases, with other",
+        "elements, meshes or numbers. Below, for each quantity of a case the check that is",
         "nearest to what is allowed. Error: the difference over the largest expected value, or whether a number is inside its band. Order: of",
         "convergence, observed on two or more meshes.",
         "",

@@ -11,13 +11,18 @@ from pathlib import Path
 
 import pytest
 
-from verify.cases.proof import CHAPTERS, MAX_OVER_ALL, Case, Check, write_index
+from verify.cases.proof import CHAPTERS, MAX_OVER_ALL, Case, Check, page, write_index
+
+
+def made(name: str, **words: str) -> dict:
+    """The facts of a case that ran nothing."""
+    return Case(name, **{"title": name, "model": "", "formula": "", "source": "", "proves": ""} | words, runner=None, work=Path(), pages=None).facts()
 
 
 def test_mean_effort(tmp_path: Path) -> None:
     """The mean is over requested increments, with the iterations of failed attempts, over all cases together."""
     for name, requested, iterations in (("a", 10, 20), ("b", 2, 64)):
-        facts = {"name": name, "title": name, "checks": [], "effort": [(requested, iterations, 1)], "requested": [requested]}
+        facts = made(name) | {"effort": [(requested, iterations, 1)], "requested": [requested]}
         (tmp_path / f"{name}.json").write_text(json.dumps(facts))
     mean = write_index(tmp_path)
     assert mean == pytest.approx(84 / 12)
@@ -30,7 +35,7 @@ def test_index_lists_the_worst(tmp_path: Path) -> None:
     """One row for each quantity, under the chapter of its file; a check that fails is marked, whatever its place."""
     first = Check("stress", "A", "the end", "1", 1.01, 0.01, 0.02, "mesh", "2.0")
     second = Check("stress", "B", "the end", "1", 1.05, 0.05, 0.02, "mesh")
-    facts = {"name": "x", "title": "X", "file": "test_hyperelasticity", "checks": [asdict(first), asdict(second)], "effort": [(1, 1, 0)], "requested": [1]}
+    facts = made("x") | {"title": "X", "file": "test_hyperelasticity", "checks": [asdict(first), asdict(second)], "effort": [(1, 1, 0)], "requested": [1]}
     (tmp_path / "x.json").write_text(json.dumps(facts))
     write_index(tmp_path)
     text = (tmp_path / "index.md").read_text()
@@ -46,11 +51,27 @@ def test_bands_and_truths_are_marked(tmp_path: Path) -> None:
     case.within("V", 324.5, (268.0, 332.0), **words)
     case.within("H", 3.0, (0.0, 2.0), **words)
     case.true("it is done", True, **words)
-    page = case.page()
+    text = page([case.facts()])
     for row in ("| V | A | the end | 268 to 332 | 324.5 | inside |  |", "| H | A | the end | at most 2 | 3 | outside by 1.0e+00 |  |",
                 "| it is done | A | the end | true | true |  |  |"):  # fmt: skip
-        assert row in page
-    assert "pytest 'verify/test_x.py::test_x'" in page
+        assert row in text
+    assert "pytest 'verify/test_x.py::test_x'" in text
+
+
+def test_a_page_for_each_test(tmp_path: Path) -> None:
+    """Of three cases of one test the first in its table has the page, with what differs of the others; pages and pictures that the others had
+    before go, those of another test stay."""
+    for name, values in (("second", [1]), ("third", [2]), ("one", [0])):
+        case = made(name, test=f"verify/test_x.py::test_x[{name}]", model="One model" if name != "third" else "Another model", title="X")
+        (tmp_path / f"{name}.json").write_text(json.dumps(case | {"values": values, "figures": [["one-1.png", "shape"]] if name == "one" else []}))
+    (tmp_path / "other.json").write_text(json.dumps(made("other")))
+    for old in ("second.md", "second-1.png", "one-1.png", "one-by-one-1.png", "standing.md"):
+        (tmp_path / old).write_text("")
+    write_index(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["index.md", "one-1.png", "one-by-one-1.png", "one.md", "other.md", "standing.md"]
+    text = (tmp_path / "one.md").read_text()
+    assert text.count("One model") == 1
+    assert text.index("One model") < text.index("### X: second") < text.index("### X: third") < text.index("Another model")
 
 
 def test_every_case_has_a_chapter() -> None:
