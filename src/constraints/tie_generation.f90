@@ -1,4 +1,4 @@
-!> Converts tie constraints, cyclic symmetry and distributing couplings into linear equations.
+!> Converts tie constraints, cyclic symmetry, coupled edges of shells and distributing couplings into linear equations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_tie_generation
   use amontons_kinds, only: DP
@@ -13,6 +13,7 @@ module amontons_tie_generation
   use amontons_surfaces, only: surface_type
   use amontons_model, only: model_type, new_equation
   use amontons_shape_functions, only: facet_shapes
+  use amontons_shell_edge_coupling, only: couple_shell_edge
   use amontons_structural_data, only: following_nodes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_facet_search, only: facet_search_type, build_facet_search
@@ -29,19 +30,23 @@ module amontons_tie_generation
 contains
 
   !> The equations of all ties and distributing couplings, and the coordinates of tied nodes moved to their masters.
-  subroutine generate_ties(model, equations, coordinates, error)
+  subroutine generate_ties(model, equations, coordinates, text, error)
     type(model_type), intent(in) :: model
     type(equation_type), allocatable, intent(out) :: equations(:)
     real(DP), allocatable, intent(out) :: coordinates(:, :)   !< (3, n_nodes) of all nodes [length]
+    character(:), allocatable, intent(out) :: text   !< warnings; empty: there are none
     type(error_type), allocatable, intent(out) :: error
     type(mesh_type) :: mesh                        ! with tied nodes moved to their masters
     type(equation_list_type) :: list
     integer :: i
     mesh = model%mesh
+    text = ''
     if (allocated(model%ties)) then
       do i = 1, size(model%ties)
         if (model%ties(i)%is_cyclic) then
           call convert_cyclic_symmetry(model, mesh, model%ties(i), list, error)
+        else if (model%ties(i)%is_shell_edge) then
+          call couple_shell_edge(model, model%ties(i), mesh, list, text, error)
         else
           call convert_tie(model, model%ties(i), mesh, list, error)
         end if

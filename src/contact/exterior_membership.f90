@@ -73,7 +73,8 @@ contains
     is_tie(model%ties%line) = .true.
     do i = 1, size(model%equations)
       associate (equation => model%equations(i))
-        if (all(equation%card /= [character(24) :: 'TIE', 'CYCLIC SYMMETRY']) .or. equation%line > ubound(is_tie, 1)) cycle
+        if (all(equation%card /= [character(24) :: 'TIE', 'CYCLIC SYMMETRY', 'SHELL TO SOLID COUPLING'])) cycle
+        if (equation%line > ubound(is_tie, 1)) cycle
         if (is_tie(equation%line)) line(equation%node(1)) = equation%line
       end associate
     end do

@@ -43,7 +43,7 @@ contains
     call drive_submodels(model, options, logger, error)      ! HDF5 serves one thread at a time
     !$omp end critical (result_files)
     if (allocated(error)) return
-    call add_ties(model, error)
+    call add_ties(model, logger, error)
     if (allocated(error)) return
     call embed(model, logger, error)
     if (allocated(error)) return
@@ -88,14 +88,17 @@ contains
 
 
   !> Converts tied surfaces and distributing couplings to equations.
-  subroutine add_ties(model, error)
+  subroutine add_ties(model, logger, error)
     type(model_type), intent(inout) :: model
+    type(logger_type), intent(inout) :: logger
     type(error_type), allocatable, intent(out) :: error
     type(equation_type), allocatable :: equations(:)
     real(DP), allocatable :: coordinates(:, :)
+    character(:), allocatable :: text
     if (.not. (allocated(model%ties) .or. allocated(model%distributing_couplings))) return
-    call generate_ties(model, equations, coordinates, error)
+    call generate_ties(model, equations, coordinates, text, error)
     if (allocated(error)) return
+    if (text /= '') call logger%warn(text)
     if (size(equations) > 0) model%equations = [model%equations, equations]
     call move_alloc(coordinates, model%mesh%coordinates)
   end subroutine add_ties

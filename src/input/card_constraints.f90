@@ -1,12 +1,23 @@
-!> The cards EQUATION, EMBEDDED ELEMENT and FOUNDATION.
+!> The cards EQUATION, EMBEDDED ELEMENT, FOUNDATION and SHELL TO SOLID COUPLING.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_constraints
-  use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_BOTH, VALUE_NAME, VALUE_REAL, VALUE_TEXT, VALUE_OPTIONAL_WORD
+  use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_BOTH, VALUE_NAME, VALUE_REAL, VALUE_TEXT, &
+    VALUE_OPTIONAL_WORD, ENTRY_IGNORED
   implicit none
   private
-  public :: describe_equation, describe_embedded_elements, describe_foundation
+  public :: describe_constraints, describe_equation, describe_embedded_elements
 
 contains
+
+  !> All cards of this module.
+  subroutine describe_constraints(table)
+    type(card_table_type), intent(inout) :: table
+    call describe_equation(table)
+    call describe_embedded_elements(table)
+    call describe_foundation(table)
+    call describe_shell_coupling(table)
+  end subroutine describe_constraints
+
 
   !> EQUATION.
   subroutine describe_equation(table)
@@ -42,5 +53,18 @@ contains
       'pressure and tension alike; under NLGEOM they turn with the face. Abaqus dialect.', data='element or element set; ' // &
       'F1 to F6 for the face of a solid or a plane element, F for a shell or a membrane; stiffness, a force per length and area')
   end subroutine describe_foundation
+
+
+  !> SHELL TO SOLID COUPLING.
+  subroutine describe_shell_coupling(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('SHELL TO SOLID COUPLING', SCOPE_MODEL, 'Edges of shells move as the mean of the solid in front of them: ' // &
+      'displacements and rotations, over the thickness of the shell. Abaqus dialect.', &
+      data='edges of shells (a surface of E1 to E4), faces of solids')
+    call table%option('CONSTRAINT NAME', VALUE_NAME, 'A name.', default='required')
+    call table%option('POSITION TOLERANCE', VALUE_REAL, 'Edges farther from the solid are not coupled.', &
+      default='5 % of the mean edge of the shell''s edges')
+    call table%option('INFLUENCE DISTANCE', VALUE_REAL, 'The thickness of the shell decides.', status=ENTRY_IGNORED)
+  end subroutine describe_shell_coupling
 
 end module amontons_card_constraints

@@ -5,7 +5,7 @@
 !! procedure in the reader.
 module amontons_card_table
   use amontons_card_materials, only: describe_materials
-  use amontons_card_constraints, only: describe_equation, describe_embedded_elements, describe_foundation
+  use amontons_card_constraints, only: describe_constraints
   use amontons_card_submodels, only: describe_submodel, describe_global_step
   use amontons_card_schema, only: card_table_type, render_card_table, SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_IGNORED, &
     ENTRY_REJECTED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, &
@@ -30,9 +30,7 @@ contains
     call describe_materials(table)
     call describe_contact(table)
     call describe_general_contact(table)
-    call describe_equation(table)
-    call describe_embedded_elements(table)
-    call describe_foundation(table)
+    call describe_constraints(table)
     call describe_submodel(table)
     call describe_contact_changes(table)
     call describe_amplitude(table)
@@ -884,7 +882,7 @@ contains
   !> Constraints, structural elements, parts and generators that are not supported.
   subroutine describe_rejected_parts(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|SHELL TO SOLID COUPLING|RELEASE|TIE COEFFICIENT', &
+    call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|RELEASE|TIE COEFFICIENT', &
       'Use *EQUATION, or mesh the bodies together.')
     call table%cards_with(ENTRY_REJECTED, 'REBAR|REBAR LAYER', 'Mesh the bars as trusses with *EMBEDDED ELEMENT.')
     call table%cards_with(ENTRY_REJECTED, 'COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &

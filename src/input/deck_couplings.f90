@@ -9,7 +9,7 @@ module amontons_deck_couplings
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
   use amontons_deck_faces, only: find_side_elements
   use amontons_deck_surfaces, only: fill_surface_nodes
-  use amontons_deck_ties, only: read_tie, read_tied_pair
+  use amontons_deck_ties, only: read_tie, read_tied_pair, read_shell_coupling
   use amontons_deck_mpc, only: read_mpc, make_rotation_node, read_weighted_coupling
   use amontons_deck_analytic_surfaces, only: attach_profile
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, read_integer, check_n_fields, &
@@ -157,6 +157,7 @@ contains
       if (is_card(reader, c, 'DISTRIBUTINGCOUPLING') .and. model%dialect /= DIALECT_CALCULIX) call read_weighted_coupling(reader, &
         model, c)
       if (is_card(reader, c, 'TIE')) call read_tie(reader, model, c)
+      if (is_card(reader, c, 'SHELLTOSOLIDCOUPLING')) call read_shell_coupling(reader, model, c)
       if (is_card(reader, c, 'CONTACTPAIR')) call read_tied_pair(reader, model, c)
     end do
     call gather_constraints(model)

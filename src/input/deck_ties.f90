@@ -1,8 +1,9 @@
-!> TIE, and CONTACT PAIR with TIED, to ties.
+!> TIE, CONTACT PAIR with TIED, and SHELL TO SOLID COUPLING, to ties.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_ties
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word
+  use amontons_deck_structure, only: is_shell_edge
   use amontons_deck_reader, only: reader_type, open_card, report_error, check_n_fields
   use amontons_kinds, only: DP
   use amontons_model, only: model_type, DIALECT_CALCULIX
@@ -10,7 +11,7 @@ module amontons_deck_ties
   use amontons_text, only: to_text, parse_real, NUMBER_OK
   implicit none
   private
-  public :: read_tie, read_tied_pair
+  public :: read_tie, read_tied_pair, read_shell_coupling
 
 contains
 
@@ -22,19 +23,50 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(tie_type) :: common
-    integer :: status
     call open_card(reader, c, parameters, row)
     common%name = parameter_text(parameters, 'NAME')
     common%line = reader%cards%line_number(reader%cards%cards(c)%line)
     common%is_cyclic = has_parameter(parameters, 'CYCLIC SYMMETRY')
     common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
-    if (has_parameter(parameters, 'POSITION TOLERANCE')) then
-      call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), common%tolerance, status)
-      if (status == NUMBER_OK .and. common%tolerance < 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
-        'POSITION TOLERANCE must not be negative.')
-    end if
+    call read_tolerance(reader, c, parameters, common)
     call add_ties(reader, model, c, row, common, '*TIE needs a data line: slave surface, master surface.')
   end subroutine read_tie
+
+
+  !> SHELL TO SOLID COUPLING: edges of shells, faces of solids.
+  subroutine read_shell_coupling(reader, model, c)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    integer, intent(in) :: c
+    type(data_row_type) :: row
+    type(parameter_type), allocatable :: parameters(:)
+    type(tie_type) :: common
+    if (reader%dialect == DIALECT_CALCULIX) then
+      call report_error(reader, reader%cards%cards(c)%line, 'CalculiX has no *SHELL TO SOLID COUPLING: use *TIE with the face ' // &
+        'as the slave surface, or the abaqus dialect.')
+      return
+    end if
+    call open_card(reader, c, parameters, row)
+    common%name = parameter_text(parameters, 'CONSTRAINT NAME')
+    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    common%is_shell_edge = .true.
+    call read_tolerance(reader, c, parameters, common)
+    call add_ties(reader, model, c, row, common, '*SHELL TO SOLID COUPLING needs a data line: edges of shells, faces of solids.')
+  end subroutine read_shell_coupling
+
+
+  !> POSITION TOLERANCE.
+  subroutine read_tolerance(reader, c, parameters, tie)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: c
+    type(parameter_type), intent(in) :: parameters(:)
+    type(tie_type), intent(inout) :: tie
+    integer :: status
+    if (.not. has_parameter(parameters, 'POSITION TOLERANCE')) return
+    call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), tie%tolerance, status)
+    if (status == NUMBER_OK .and. tie%tolerance < 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
+      'POSITION TOLERANCE must not be negative.')
+  end subroutine read_tolerance
 
 
   !> CONTACT PAIR, TIED: the slave nodes that ADJUST moves onto the master are tied to it.
@@ -103,9 +135,25 @@ contains
     else if (model%surfaces(tie%master)%is_node_based .and. .not. tie%is_cyclic) then
       call report_error(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
         ''' is made of nodes; a master needs element faces.')
+    else if (tie%is_shell_edge .and. .not. are_edges(model, tie%slave)) then
+      call report_error(reader, row%line, 'The surface ''' // model%surfaces(tie%slave)%name // ''' must consist of edges of ' // &
+        'shells, E1 to E4.')
     else
       model%ties = [model%ties, tie]
     end if
   end subroutine add_tie
+
+
+  !> Whether a surface consists of edges of shells.
+  pure logical function are_edges(model, s)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: s                     !< surface
+    integer :: i
+    are_edges = .false.
+    if (model%surfaces(s)%is_node_based) return
+    associate (surface => model%surfaces(s))
+      are_edges = all([(is_shell_edge(model, surface%element(i), surface%face(i)), i=1, size(surface%element))])
+    end associate
+  end function are_edges
 
 end module amontons_deck_ties

@@ -48,6 +48,7 @@ module amontons_mpc_data
     integer :: slave = 0                     !< index of the slave surface
     integer :: master = 0                    !< index of the master surface
     real(DP) :: tolerance = -1               !< nodes farther away are not tied; negative: 2.5 % of a facet [length]
+    logical :: is_shell_edge = .false.       !< SHELL TO SOLID COUPLING: the slave, edges of shells, moves as the mean of the master
     logical :: is_cyclic = .false.           !< CYCLIC SYMMETRY: the slave moves as the master, rotated
     real(DP) :: turn(3, 3) = 0               !< by the angle of the sector, about an axis
     real(DP) :: centre(3) = 0                !< through this point [length]

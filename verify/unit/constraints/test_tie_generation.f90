@@ -23,6 +23,7 @@ program test_tie_generation
   type(model_type) :: model
   type(equation_type), allocatable :: equations(:)
   real(DP), allocatable :: coordinates(:, :), u(:, :)
+  character(:), allocatable :: warnings
   type(error_type), allocatable :: error
   call check_tie()
   call check_sector()
@@ -37,7 +38,7 @@ contains
     character(*), intent(in) :: text
     if (allocated(error)) deallocate (error)
     call expect_read(text, model)
-    call generate_ties(model, equations, coordinates, error)
+    call generate_ties(model, equations, coordinates, warnings, error)
   end subroutine generate
 
 

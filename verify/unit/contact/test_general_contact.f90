@@ -200,6 +200,7 @@ contains
     type(error_type), allocatable :: error
     type(job_options_type) :: options
     type(equation_type), allocatable :: equations(:)
+    character(:), allocatable :: warnings
     real(DP), allocatable :: coordinates(:, :)
     integer :: i
     call read_deck_text(deck_lines(cards), options, model, diagnostics, error)
@@ -210,7 +211,7 @@ contains
       end do
       return
     end if
-    if (allocated(model%ties)) call generate_ties(model, equations, coordinates, error)
+    if (allocated(model%ties)) call generate_ties(model, equations, coordinates, warnings, error)
     if (allocated(equations)) model%equations = [model%equations, equations]
     call find_general_pairs(model, found, text)
   end subroutine find

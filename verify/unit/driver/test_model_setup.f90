@@ -54,10 +54,11 @@ contains
     type(logger_type) :: logger
     type(error_type), allocatable :: error
     type(equation_type), allocatable :: equations(:)
+    character(:), allocatable :: warnings
     real(DP), allocatable :: coordinates(:, :)
     integer :: i
     call read_model(CUBES // TIED // STEPS, options, model)
-    call generate_ties(model, equations, coordinates, error)
+    call generate_ties(model, equations, coordinates, warnings, error)
     call suite%that('ties: no error', .not. allocated(error))
     call suite%that('ties: three equations for each of four nodes', size(equations) == 12)
     call suite%near('ties: weights', maxval([(abs(sum(equations(i)%coefficient)), i=1, size(equations))]), 0.0_DP, 1.0e-14_DP)
