@@ -158,7 +158,7 @@ uses_deck_beam_loads = kinds text element_kinds loads structural_data model card
 uses_deck_loads = kinds text containers element_kinds loads materials mesh structural_data model cards card_schema deck_reader deck_submodel deck_structure deck_surfaces load_propagation deck_beam_loads
 uses_deck_procedures = kinds text distributed_solver element_kinds materials steps structural_data model cards card_schema deck_reader deck_loads
 uses_deck_steps = kinds text containers controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_materials deck_initial_conditions deck_contact deck_output load_propagation deck_loads deck_procedures
-uses_deck_plausibility = kinds text element_kinds materials mesh model cards card_schema deck_reader
+uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
 uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_user_elements deck_mesh deck_submodel deck_named_laws deck_viscoelasticity deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_embedded deck_foundations deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry

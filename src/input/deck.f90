@@ -30,14 +30,14 @@ module amontons_deck
   use amontons_explain, only: explain_cards
   use amontons_deck_mpc, only: read_distributing_couplings, read_cyclic_symmetry
   use amontons_deck_submodel, only: read_submodels
-  use amontons_deck_springs, only: read_springs, read_distance_limits
+  use amontons_deck_springs, only: read_springs, read_distance_limits, stiffen_springs_on_rings
   use amontons_deck_sets, only: read_sets
   use amontons_deck_structure, only: read_structural_sections, read_structure, free_slave_nodes, &
     refine_thin_shells
   use amontons_deck_user_elements, only: read_user_kinds, read_user_properties, connect_user_elements
   use amontons_deck_output, only: read_time_points
   use amontons_deck_steps, only: read_steps
-  use amontons_deck_plausibility, only: report_traps, report_mixed_units, report_springs_on_rings, &
+  use amontons_deck_plausibility, only: report_traps, report_mixed_units, &
     report_routines_of_shells
   use amontons_posix, only: checksum_of_text
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
@@ -182,7 +182,8 @@ contains
     call check_viscoelastic_steps(reader, model)
     call report_traps(reader, model%mesh)
     if (reader%messages%n_errors == 0) call report_mixed_units(reader, model)
-    if (reader%messages%n_errors == 0) call report_springs_on_rings(reader, model)
+    if (reader%messages%n_errors == 0) call stiffen_springs_on_rings(reader, model)
+    if (reader%messages%n_errors == 0) call report_nonlinear_springs(reader, model)
     if (reader%messages%n_errors == 0) call report_routines_of_shells(reader, model)
     if (reader%messages%n_errors == 0) call set_single_increments(model)
     call read_restart(reader, model)
@@ -466,6 +467,18 @@ contains
       end associate
     end do
   end subroutine set_single_increments
+
+
+  !> Reports springs that CalculiX takes as linear: those of a table, and gaps, in steps where nothing else is nonlinear.
+  subroutine report_nonlinear_springs(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(in) :: model
+    integer :: i
+    if (model%dialect /= DIALECT_CALCULIX .or. all(model%steps%is_nlgeom) .or. .not. is_linear(model)) return
+    if (.not. any([(allocated(model%springs(i)%force) .or. model%springs(i)%is_gap, i=1, size(model%springs))])) return
+    call report_note(reader, 0, 'Nonlinear springs and gaps follow their laws in all steps. In a step where nothing else is ' // &
+      'nonlinear CalculiX takes the stiffness at the start: springs are straight, and gaps never close. With NLGEOM both agree.')
+  end subroutine report_nonlinear_springs
 
 
   !> Whether contact, materials and constraints are linear at small displacements.

@@ -1,11 +1,10 @@
-!> Warnings of slips that a deck survives: decimal commas, keywords without a star, sets without members, mixed units, springs on
-!! rings, user routines in shells.
+!> Warnings of slips that a deck survives: decimal commas, keywords without a star, sets without members, mixed units, user
+!! routines in shells.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_deck_plausibility
   use amontons_cards, only: data_row_type, parameter_type, next_row, field_text
   use amontons_card_schema, only: find_entry, parameter_text, ENTRY_SUPPORTED
   use amontons_deck_reader, only: reader_type, open_card, report_note, has_decimal_comma, DECIMAL_COMMA_TEXT
-  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_AXISYMMETRIC, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type
   use amontons_mesh, only: mesh_type, mesh_extent
@@ -13,7 +12,7 @@ module amontons_deck_plausibility
   use amontons_text, only: name_key, is_one_of, to_text, plural
   implicit none
   private
-  public :: report_traps, report_mixed_units, report_springs_on_rings, report_routines_of_shells
+  public :: report_traps, report_mixed_units, report_routines_of_shells
 
   character(*), parameter :: BULK_CARDS = 'NODE|ELEMENT'      !< many lines, each of which begins with a number
   character(*), parameter :: REAL_CARDS = 'ELASTIC|DENSITY|EXPANSION|PLASTIC|CREEP|FRICTION|SURFACEBEHAVIOR|STATIC|VISCO|' // &
@@ -101,37 +100,6 @@ contains
         reader%cards%cards(c)%line, 'The element set ''' // name // ''' has no members.')
     end if
   end subroutine report_empty_sets
-
-
-  !> Reports springs at nodes of axisymmetric elements: CalculiX lets them act on its sector of two degrees.
-  subroutine report_springs_on_rings(reader, model)
-    type(reader_type), intent(inout) :: reader
-    type(model_type), intent(in) :: model
-    type(element_kind_type) :: entry
-    logical :: is_on_ring(model%mesh%n_nodes)
-    integer :: e, kind, n, first
-    if (reader%dialect /= DIALECT_CALCULIX) return
-    is_on_ring = .false.
-    kind = 0
-    associate (mesh => model%mesh)
-      do e = 1, mesh%n_elements
-        if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
-        kind = mesh%kind(e)
-        if (entry%family == FAMILY_AXISYMMETRIC) is_on_ring(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
-      end do
-      n = 0
-      first = 0
-      do e = 1, mesh%n_elements
-        if (.not. any(mesh%kind(e) == [KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2])) cycle
-        if (.not. any(is_on_ring(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))) cycle
-        n = n + 1
-        if (n == 1) first = mesh%element_label(e)
-      end do
-    end associate
-    if (n > 0) call report_note(reader, 0, 'Springs at nodes of axisymmetric elements (' // plural(n, 'spring') // &
-      ', the first is element ' // to_text(first) // ') act on the full circle; in CalculiX they act on two degrees of it, as ' // &
-      'if they were 180 times as stiff.')
-  end subroutine report_springs_on_rings
 
 
   !> Reports user routines in shells and beams: Abaqus calls them with the components of plane stress, of beams.

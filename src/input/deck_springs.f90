@@ -15,14 +15,15 @@ module amontons_deck_springs
     is_card
   use amontons_materials, only: spring_type, hardening_curve_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
-  use amontons_text, only: to_text
+  use amontons_text, only: to_text, plural
   use amontons_mpc_data, only: coordinate_system_type, axes_at
-  use amontons_element_kinds, only: KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, FAMILY_MASS, KIND_SPRINGA
+  use amontons_element_kinds, only: element_kind_type, element_kind, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, &
+    FAMILY_MASS, FAMILY_AXISYMMETRIC, KIND_SPRINGA, N_CIRCLE_SECTORS
   use amontons_deck_mpc, only: read_next_mpc, unique_nodes
   implicit none
   private
   public :: read_springs
-  public :: read_distance_limits
+  public :: read_distance_limits, stiffen_springs_on_rings
 
   real(DP), parameter :: LIMIT_STIFFNESS_FACTOR = 1.0e4_DP        !< than a cube of the stiffest material, as long as the rope [-]
 
@@ -69,6 +70,73 @@ contains
       end associate
     end do
   end subroutine read_springs
+
+
+  !> Springs at nodes of axisymmetric elements act on two degrees of the circle in CalculiX, so on the full one they are
+  !! N_CIRCLE_SECTORS times as stiff.
+  subroutine stiffen_springs_on_rings(reader, model)
+    type(reader_type), intent(inout) :: reader
+    type(model_type), intent(inout) :: model
+    type(element_kind_type) :: entry
+    logical :: is_on_ring(model%mesh%n_nodes)
+    integer :: e, kind, n, first, stiffer(size(model%springs))   ! the stiffer copy of a law; 0
+    if (reader%dialect /= DIALECT_CALCULIX) return
+    is_on_ring = .false.
+    kind = 0
+    n = 0
+    first = 0
+    stiffer = 0
+    associate (mesh => model%mesh)
+      do e = 1, mesh%n_elements
+        if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
+        kind = mesh%kind(e)
+        if (entry%family == FAMILY_AXISYMMETRIC) is_on_ring(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
+      end do
+      do e = 1, mesh%n_elements
+        if (.not. any(mesh%kind(e) == [KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2])) cycle
+        if (.not. any(is_on_ring(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1))) .or. is_rope(e)) cycle
+        n = n + 1
+        if (n == 1) first = mesh%element_label(e)
+        mesh%section_value(e) = N_CIRCLE_SECTORS * mesh%section_value(e)
+        if (.not. allocated(mesh%spring)) cycle
+        if (mesh%spring(e) == 0) cycle
+        if (stiffer(mesh%spring(e)) == 0) then
+          model%springs = [model%springs, stiffer_law(model%springs(mesh%spring(e)))]
+          stiffer(mesh%spring(e)) = size(model%springs)
+        end if
+        mesh%spring(e) = stiffer(mesh%spring(e))
+      end do
+    end associate
+    if (n > 0) call report_note(reader, 0, 'Springs at nodes of axisymmetric elements (' // plural(n, 'spring') // &
+      ', the first is element ' // to_text(first) // ') act on two degrees of the circle, as in CalculiX: on the full ' // &
+      'circle they are ' // to_text(N_CIRCLE_SECTORS) // ' times as stiff.')
+
+  contains
+
+    !> Whether an element is one of *MPC, DIST.
+    pure logical function is_rope(e)
+      integer, intent(in) :: e
+      is_rope = .false.
+      if (.not. allocated(model%mesh%spring)) return
+      if (model%mesh%spring(e) > 0) is_rope = model%springs(model%mesh%spring(e))%is_distance_limit
+    end function is_rope
+
+  end subroutine stiffen_springs_on_rings
+
+
+  !> A law with N_CIRCLE_SECTORS times the forces.
+  pure function stiffer_law(law) result(stiffer)
+    type(spring_type), intent(in) :: law
+    type(spring_type) :: stiffer
+    integer :: i
+    stiffer = law
+    if (allocated(law%constant%value)) stiffer%constant%value = N_CIRCLE_SECTORS * law%constant%value
+    if (allocated(law%force)) then
+      do i = 1, size(law%force)
+        stiffer%force(i)%stress = N_CIRCLE_SECTORS * law%force(i)%stress
+      end do
+    end if
+  end function stiffer_law
 
 
   !> Whether all members of a set are of the kinds of a card; reports the first that is not.

@@ -17,6 +17,7 @@ import pytest
 
 from verify.decks import behaviour_decks, feature_decks, joint_decks
 from verify.decks.parts import Part
+from verify.decks.solids import unit_cube
 from verify.peers.test_mixed_decks import leave_out_residue, run_peer
 from verify.readers.dat_frd_files import Block, compare, compare_block, read_dat, read_frd
 
@@ -113,24 +114,48 @@ def test_deck(name: str, run: Callable[..., object], tmp_path: Path) -> None:
     assert not bad, "\n".join(bad)
 
 
-def test_spring_on_a_ring(run: Callable[..., object], tmp_path: Path) -> None:
-    """A spring at a node of an axisymmetric element acts on the full circle here, on two degrees in CalculiX: 180 times as stiff."""
+@pytest.mark.parametrize("kind, is_table", [("SPRINGA", False), ("SPRING1", False), ("SPRING2", False), ("SPRINGA", True), ("SPRING2", True)])
+def test_spring_on_a_ring(run: Callable[..., object], tmp_path: Path, kind: str, is_table: bool) -> None:
+    """A spring at a node of an axisymmetric element acts on two degrees of the circle: displacements and reactions are CalculiX's."""
     ring = Part("A", "CAX8R", (1, 0), (2, 1), (2, 2))
     node = ring.nodes_on("Y1")[0]
     text = feature_decks.bodies(ring) + feature_decks.STEEL + feature_decks.sections("A") + "*NODE, NSET=G\n900, 1., 1.5, 0.\n"
-    text += f"*ELEMENT, TYPE=SPRINGA, ELSET=SP\n800, {node}, 900\n*SPRING, ELSET=SP\n\nK\n*BOUNDARY\nG, 1, 3\nA_Y0N, 2\nA_X0N, 1\n"
-    text += feature_decks.step("*DLOAD\n" + ring.dload("X1", 100.0) + "*NODE PRINT, NSET=AN\nU\n")
-    found = []
-    for k, folder in ((5000, tmp_path), (5000, tmp_path / "same"), (900000, tmp_path / "scaled")):
-        folder.mkdir(exist_ok=True)
-        (folder / "job.inp").write_text(text.replace("K\n*BOUNDARY", f"{k}.\n*BOUNDARY"))
-        if folder == tmp_path:
-            run_peer(folder)
-        else:
-            assert run(["--dialect=calculix", "job"], cwd=folder).returncode == 0  # type: ignore[attr-defined]
-        found.append(read_dat(folder / "job.dat")[-1].rows[(node,)][1])
-    assert found[2] == pytest.approx(found[0], rel=1e-4)
-    assert abs(found[1] / found[0] - 1) > 0.1
+    nodes, directions = {"SPRINGA": (f"{node}, 900", ""), "SPRING1": (f"{node}", "2"), "SPRING2": (f"{node}, 900", "2, 2")}[kind]
+    card, law = (", NONLINEAR", "-40., -0.01\n0., 0.\n40., 0.01\n60., 0.1\n") if is_table else ("", "5000.\n")
+    text += f"*ELEMENT, TYPE={kind}, ELSET=SP\n800, {nodes}\n*SPRING, ELSET=SP{card}\n{directions}\n{law}"
+    text += "*BOUNDARY\nG, 1, 3\nA_Y0N, 2\nA_X0N, 1\n"
+    text += feature_decks.step("*DLOAD\n" + ring.dload("X1", 100.0) + "*NODE PRINT, NSET=AN\nU\n*NODE PRINT, NSET=A_Y0N\nRF\n*NODE PRINT, NSET=G\nRF\n")
+    (tmp_path / "job.inp").write_text(text)
+    run_peer(tmp_path)
+    (tmp_path / "ours").mkdir()
+    (tmp_path / "ours" / "job.inp").write_text(text)
+    assert run(["--dialect=calculix", "job"], cwd=tmp_path / "ours").returncode == 0  # type: ignore[attr-defined]
+    reference = read_dat(tmp_path / "job.dat")
+    assert reference
+    for table in compare(read_dat(tmp_path / "ours" / "job.dat"), reference, True):
+        assert table.deviation < LINEAR, f"{table.title} {table.set_name}: {table.deviation:.2e} of {table.largest:.3e} at {table.where}"
+
+
+@pytest.mark.parametrize("kind", ["SPRINGA", "GAPUNI"])
+def test_spring_in_a_linear_step(run: Callable[..., object], tmp_path: Path, kind: str) -> None:
+    """A pulled cube on a spring of a table, or with a gap: without NLGEOM CalculiX is linear, with it both follow the law."""
+    cards = {"SPRINGA": "*SPRING, ELSET=SP, NONLINEAR\n\n-40., -0.01\n0., 0.\n40., 0.01\n60., 0.1\n", "GAPUNI": "*GAP, ELSET=SP\n0.01, 0., 0., 1.\n"}[kind]
+    text = f"{unit_cube()}*NODE, NSET=G\n900, 0., 0., 2.\n*ELEMENT, TYPE={kind}, ELSET=SP\n800, 5, 900\n{cards}*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.3\n"
+    text += "*SOLID SECTION, ELSET=E, MATERIAL=M\n*BOUNDARY\nLOW, 1, 3\nG, 1, 3\n*STEP\n*STATIC\n1., 1.\n*CLOAD\n5, 3, 80.\n"
+    text += "*NODE PRINT, NSET=HIGH\nU\n*END STEP\n"
+    far = []
+    for step in ("*STEP", "*STEP, NLGEOM"):
+        folder = tmp_path / step.rpartition(" ")[2].strip("*")
+        (folder / "ours").mkdir(parents=True)
+        for place in (folder, folder / "ours"):
+            (place / "job.inp").write_text(text.replace("*STEP\n", f"{step}\n", 1))
+        run_peer(folder)
+        done = run(["--dialect=calculix", "job"], cwd=folder / "ours")
+        assert done.returncode == 0  # type: ignore[attr-defined]
+        assert ("follow their laws" in " ".join(done.stdout.split())) == (step == "*STEP")  # type: ignore[attr-defined]
+        far.append(max(table.deviation for table in compare(read_dat(folder / "ours" / "job.dat"), read_dat(folder / "job.dat"))))
+    assert far[0] > 0.05
+    assert far[1] < NONLINEAR
 
 
 def totals(folder: Path) -> list[list[float]]:
