@@ -194,13 +194,13 @@ uses_mortar_linearization = kinds element_kinds facets contact_constraint_rows m
 # state
 uses_state = kinds tensor element_kinds materials mesh steps structural_data user_elements model logarithmic_strain material_point material_axes shape_functions friction_slip_scenarios slave_node_overrides
 uses_model_change = kinds materials mesh model state
-uses_user_state = kinds errors tensor element_kinds loads user_routines materials mesh model element_integration_points shape_functions element state
+uses_user_state = kinds errors tensor element_kinds loads user_routines materials mesh model user_material element_integration_points shape_functions element state
 
 # assembly
 uses_unsymmetric_tangent = kinds errors tensor sparse element_kinds shape_functions
 uses_assembly_plan = kinds containers errors sparse graph_partition point_partition mpi_ranks element_kinds mesh solid_simd unsymmetric_tangent
 uses_layer_stack = kinds tensor element_kinds structural_data model logarithmic_strain element_integration_points zero_stress_condition state
-uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model truss_spring_mass element solid_simd plastic_solid_simd state user_state unsymmetric_tangent assembly_plan layer_stack
+uses_assembly = kinds sparse mpi_ranks element_kinds materials mesh model user_material truss_spring_mass element solid_simd plastic_solid_simd state user_state unsymmetric_tangent assembly_plan layer_stack
 uses_load_faces = kinds element_kinds mesh structural_data model
 uses_external_loads = kinds tensor element_kinds loads materials mesh steps model shape_functions element face_foundation tributary_areas state user_state unsymmetric_tangent assembly_plan assembly load_faces
 uses_inertia = kinds tensor element_kinds mesh steps model state assembly_plan external_loads

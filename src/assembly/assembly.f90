@@ -21,7 +21,9 @@ module amontons_assembly
   use amontons_truss_spring_mass, only: spring_energy
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
   use amontons_layer_stack, only: is_stacked_triangle, load_stack_bending
-  use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields
+  use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields, &
+    is_deleted_element
+  use amontons_user_material, only: DELETED_STIFFNESS
   implicit none
   private
   public :: share_points, assemble_forces, assemble_tangent, assemble_nodal_stiffness, element_material, sum_spring_energies
@@ -302,6 +304,13 @@ contains
     call element_nodes(model%mesh, e, n, nodes)
     if (is_out(model, state%new%step, e)) then
       call clear_points(model%mesh, e, state%new)
+      return
+    end if
+    if (is_deleted_element(model, state%old, e)) then
+      call clear_points(model%mesh, e, state%new)
+      associate (first => model%mesh%point_first(e), last => model%mesh%point_first(e + 1) - 1)
+        state%new%history(:, first:last) = state%old%history(:, first:last)
+      end associate
       return
     end if
     m = element_material(model, state%new%step, e)      ! gfortran 14 takes no function of this module within associate
@@ -587,15 +596,19 @@ contains
     type(integration_points_type), intent(out) :: points
     logical, intent(out) :: is_sound               !< neither inverted nor not finite
     integer :: n, status
+    logical :: is_gone                             ! all its points are deleted
     n = model%mesh%first(e + 1) - model%mesh%first(e)
     call load_points(model, state, e, points)
     points%is_output_wanted = .false.
     if (is_stacked_triangle(model, e)) call load_stack_bending(model, state, e, is_nlgeom, points)
-    if (model%materials(element_material(model, state%new%step, e))%is_user) call load_umat_points(model, state, e, is_nlgeom, &
-      points)
+    is_gone = is_deleted_element(model, state%old, e)
+    if (model%materials(element_material(model, state%new%step, e))%is_user .and. .not. is_gone) call load_umat_points(model, &
+      state, e, is_nlgeom, points)
     call set_element_configuration(model%mesh, e, state%new, X, u)
+    if (is_gone) u(:, :n) = 0                      ! that at rest keeps the matrix regular, however far its nodes move
     call evaluate_element_tangent(model%mesh%kind(e), model%materials(element_material(model, state%new%step, e)), &
       X(:, :n), u(:, :n), is_nlgeom, stiffness, points, status)
+    if (is_gone) stiffness = DELETED_STIFFNESS * stiffness
     is_sound = status == ELEMENT_OK
   end subroutine evaluate_one_tangent
 

@@ -26,7 +26,7 @@ module amontons_external_loads
   use amontons_element_kinds, only: kind_family, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
     MAX_FACE_NODES, MAX_ELEMENT_POINTS, &
     KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
-  use amontons_user_state, only: evaluate_dload, evaluate_utracload
+  use amontons_user_state, only: evaluate_dload, evaluate_utracload, is_deleted_element
   implicit none
   private
   public :: assemble_external_loads, assemble_reference_loads, add_foundation_stiffness, integrate_unit_mass, evaluate_density
@@ -67,6 +67,9 @@ contains
       associate (load => step%distributed(i))
         magnitude = load_now(model, step, load, load_time(step, fields), fields%total_time)
         if (is_out(model, step%number, load%element)) cycle
+        if (load%element > 0) then
+          if (is_deleted_element(model, fields, load%element)) cycle
+        end if
         if (magnitude == 0.0_DP .and. .not. load%is_user) cycle
         select case (load%kind)
         case (DISTRIBUTED_PRESSURE)

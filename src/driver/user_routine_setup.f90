@@ -13,7 +13,7 @@ module amontons_user_routine_setup
   use amontons_loads, only: amplitude_type, DISTRIBUTED_TRACTION
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
   use amontons_materials, only: material_type
-  use amontons_user_state, only: find_point_at_rest
+  use amontons_user_state, only: find_point_at_rest, field_library
   use amontons_state, only: state_type, fields_type
   use amontons_user_material, only: find_initial_tangent
   implicit none
@@ -37,7 +37,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: text
     type(umat_type) :: at_rest
-    real(DP), allocatable :: statev(:)
+    real(DP), allocatable :: statev(:), fields(:, :)
     real(DP) :: pnewdt
     logical :: is_stopped, has_crashed
     integer :: m
@@ -55,9 +55,9 @@ contains
         if (model%has_sdvini .and. material%n_statev > 0) call check_routine(material%routines, file_of(material, options), &
           ROUTINE_SDVINI, '*INITIAL CONDITIONS, TYPE=SOLUTION, USER', error)
         if (allocated(error)) return
-        call find_point_at_rest(model, m, at_rest, statev)
+        call find_point_at_rest(model, m, at_rest, statev, fields)
         at_rest%dtime = first_increment(model)
-        call find_initial_tangent(material, at_rest, statev, error)
+        call find_initial_tangent(material, at_rest, statev, fields, error)
         ! PNEWDT has no meaning in the undeformed state
         call collect_user_messages(material%routines, pnewdt, text, is_stopped, has_crashed)
         if (has_crashed) call set_error(error, EXIT_SETUP, 'In the call at rest for the material ''' // material%name // ''': ' // &
@@ -201,7 +201,12 @@ contains
     if (allocated(error)) return
     if (has_uel(model%user_elements)) call check_routine(model%routines, path, ROUTINE_UEL, '*USER ELEMENT', error)
     if (allocated(error)) return
-    if (any(model%materials%is_user_field)) call check_routine(model%routines, path, ROUTINE_USDFLD, '*USER DEFINED FIELD', error)
+    do i = 1, size(model%materials)
+      if (allocated(error)) return
+      if (model%materials(i)%is_user_field) call check_routine(field_library(model, model%materials(i)), path, ROUTINE_USDFLD, &
+        '*USER DEFINED FIELD', error)
+    end do
+    if (allocated(error)) return
     if (allocated(error)) return
     if (any(model%amplitudes%is_user)) call check_routine(model%routines, path, ROUTINE_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
     do i = 1, size(model%steps)

@@ -187,8 +187,8 @@ contains
     call table%card('DEPVAR', SCOPE_MODEL, 'Number of variables that UMAT or USDFLD keeps at each point (STATEV), zero at the ' // &
       'start unless INITIAL CONDITIONS, TYPE=SOLUTION says otherwise.', parent='MATERIAL', &
       data='number; further lines that name the variables are passed over')
-    call table%option('DELETE', VALUE_TEXT, 'Elements do not vanish within a step: let the routine return zero stress with a ' // &
-      'small stiffness there, or remove elements from a step on with *MODEL CHANGE.', status=ENTRY_REJECTED)
+    call table%option('DELETE', VALUE_INTEGER, 'Number of the variable, 1 at the start, that deletes a point for good where ' // &
+      'UMAT makes it 0: its stress is then 0.')
   end subroutine describe_user
 
 

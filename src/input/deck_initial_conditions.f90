@@ -420,7 +420,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     character(:), allocatable :: what
     integer :: c, variable
-    if (any(model%materials%table_variable > 0)) allocate (model%initial_temperature(n_predefined(model)), source=0.0_DP)
+    if (n_predefined(model) > model%mesh%n_nodes) allocate (model%initial_temperature(n_predefined(model)), source=0.0_DP)
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'INITIALCONDITIONS')) cycle
       call open_card(reader, c, parameters, row)
@@ -468,6 +468,11 @@ contains
     n = 0
     if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
     if (.not. allocated(model%initial_statev)) allocate (model%initial_statev(n, model%mesh%n_points), source=0.0_DP)
+    do i = 1, model%mesh%n_elements
+      if (model%mesh%material(i) == 0) cycle
+      k = model%materials(model%mesh%material(i))%deletion
+      if (k > 0) model%initial_statev(k, model%mesh%point_first(i):model%mesh%point_first(i + 1) - 1) = 1
+    end do
     do while (next_row(reader%cards, row))
       is_ok = .true.
       call elements_of_field(reader, model%mesh, row, 1, elements, is_ok)
@@ -503,10 +508,10 @@ contains
   end subroutine read_initial_variables
 
 
-  !> The number of temperatures and of values of field variables at the nodes, as far as tables are over them.
+  !> The number of temperatures and of values of field variables at the nodes, as far as tables are over them or UMAT gets them.
   pure integer function n_predefined(model)
     type(model_type), intent(in) :: model
-    n_predefined = model%mesh%n_nodes * (1 + maxval([0, model%materials%table_variable]))
+    n_predefined = model%mesh%n_nodes * (1 + maxval([0, model%materials%table_variable, model%materials%n_fields]))
   end function n_predefined
 
 
@@ -522,7 +527,7 @@ contains
     if (status /= NUMBER_OK .or. variable < 1) then
       call report_error(reader, reader%cards%cards(c)%line, 'VARIABLE must be the number of a field variable: 1, 2, ...')
       variable = -1
-    else if (all(model%materials%table_variable /= variable)) then
+    else if (all(model%materials%table_variable /= variable .and. model%materials%n_fields < variable)) then
       call report_note(reader, reader%cards%cards(c)%line, 'No property of a material depends on field variable ' // &
         to_text(variable) // '; its values have no effect.')
       variable = -1

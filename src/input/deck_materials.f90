@@ -18,7 +18,7 @@ module amontons_deck_materials
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
     CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
     CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, INELASTIC_NONE, INELASTIC_CRYSTAL, &
-    HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, USER_STATE
+    HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, USER_STATE, user_field_place
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_user_routines, only: USER_NAME_LENGTH
   use amontons_text, only: upper_case, to_text, parse_integer, parse_real, NUMBER_OK
@@ -37,7 +37,7 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: line(:)
-    integer :: c, m
+    integer :: c, m, n_fields
     logical :: is_new
     allocate (model%materials(0), line(0))
     m = 0
@@ -58,10 +58,32 @@ contains
         call read_property(reader, c, model%materials(m))
       end if
     end do
+    n_fields = count_field_variables(reader)
     do m = 1, size(model%materials)
-      call check_material(reader, line(m), model%materials(m))
+      associate (material => model%materials(m))
+        if (material%is_user) material%n_fields = max(n_fields, merge(1, 0, material%is_user_field))
+        call check_material(reader, line(m), material)
+      end associate
     end do
   end subroutine read_materials
+
+
+  !> The largest number of a field variable that the deck gives; numbers that are wrong are reported where they are read.
+  integer function count_field_variables(reader) result(n)
+    type(reader_type), intent(inout) :: reader
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    integer, parameter :: MOST = 1000            ! keeps a slip from filling the memory
+    integer :: c, variable, status
+    n = 0
+    do c = 1, reader%cards%n_cards
+      if (.not. (is_card(reader, c, 'FIELD') .or. is_card(reader, c, 'INITIALCONDITIONS'))) cycle
+      call open_card(reader, c, parameters, row)
+      if (is_card(reader, c, 'INITIALCONDITIONS') .and. parameter_word(parameters, 'TYPE', '') /= 'FIELD') cycle
+      call parse_integer(parameter_word(parameters, 'VARIABLE', '1'), variable, status)
+      if (status == NUMBER_OK .and. variable <= MOST) n = max(n, variable)
+    end do
+  end function count_field_variables
 
 
   !> One card of the block of a material.
@@ -291,8 +313,8 @@ contains
     if (material%n_statev > 0 .and. .not. (material%is_user .or. material%is_user_field .or. material%inelastic_law /= &
       INELASTIC_NONE)) call report_error(reader, line, who // &
       'has *DEPVAR but no *USER MATERIAL or *USER DEFINED FIELD.')
-    if (material%is_user .and. material%is_user_field) call report_error(reader, line, who // 'has *USER DEFINED FIELD beside ' // &
-      '*USER MATERIAL. UMAT has what USDFLD would give it: compute the field variables there.')
+    if (material%deletion > 0 .and. .not. material%is_user) call report_error(reader, line, who // 'has DELETE on *DEPVAR but ' // &
+      'no *USER MATERIAL: the state variable that deletes a point is one of UMAT.')
     if (material%is_user .and. (material%has_elastic .or. allocated(material%isotropic_hardening) .or. &
       allocated(material%kinematic_hardening) .or. material%creep_law /= CREEP_NONE)) call report_error(reader, line, who // &
       'has *USER MATERIAL beside laws of ours; UMAT gives the whole stress.')
@@ -416,6 +438,12 @@ contains
     else
       material%n_statev = n
     end if
+    if (.not. has_parameter(parameters, 'DELETE')) return
+    call parse_integer(parameter_text(parameters, 'DELETE'), material%deletion, status)
+    if (status == NUMBER_OK .and. material%deletion >= 1 .and. material%deletion <= material%n_statev) return
+    call report_error(reader, reader%cards%cards(c)%line, 'DELETE must be the number of a state variable, 1 to ' // &
+      to_text(material%n_statev) // '.')
+    material%deletion = 0
   end subroutine read_depvar
 
 
@@ -450,6 +478,8 @@ contains
           size(material%elastic%value, 2) == 1
         if (material%is_user .or. material%is_user_field) then
           material%n_history = USER_STATE - 1 + material%n_statev
+          if (material%is_user .and. material%is_user_field) material%n_history = user_field_place(material, material%n_fields) + &
+            material%n_statev
           material%is_linear_isotropic = .false.
         end if
         material%is_unsymmetric = material%is_user .or. material%is_corotational .or. material%cutoff_sign /= 0 .or. &

@@ -23,7 +23,7 @@ module amontons_user_material
   use amontons_user_routines, only: umat_type, call_umat, USER_NAME_LENGTH
   implicit none
   private
-  public :: umat_point_type, evaluate_umat, find_initial_tangent, transverse_energy
+  public :: umat_point_type, evaluate_umat, find_initial_tangent, transverse_energy, is_deleted, DELETED_STIFFNESS
 
   !> Data of a UMAT point beside strain and stress, input and output.
   type :: umat_point_type
@@ -32,9 +32,11 @@ module amontons_user_material
     real(DP) :: thermal(6, 2) = 0                  !< thermal strain at start and end, tensor components [-]
     real(DP), allocatable :: history_old(:)               !< committed, from USER_STRESS on, first is 1
     real(DP), allocatable :: history(:)            !< at the end of the increment
+    real(DP), allocatable :: fields(:, :)          !< (n, 2) field variables and their changes; not there: none
   end type umat_point_type
 
   integer, parameter :: ABAQUS_ORDER(6) = [1, 2, 3, 4, 6, 5]   !< components here are xx yy zz xy yz xz, there 11 22 33 12 13 23
+  real(DP), parameter :: DELETED_STIFFNESS = 1.0e-6_DP    !< of a deleted point over that at rest: slows no iteration [-]
   integer, parameter :: HISTORY_OFFSET = USER_STRESS - 1     !< number of history variables before those of umat_point_type
 
 contains
@@ -54,6 +56,12 @@ contains
     character(USER_NAME_LENGTH) :: name
     name = material%name
     user%history = user%history_old
+    if (is_deleted(material, user%history_old(USER_STATE - HISTORY_OFFSET:))) then
+      call delete_point(material, frame, user, stress, tangent)
+      is_accepted = .true.
+      return
+    end if
+    if (.not. allocated(user%fields)) allocate (user%fields(0, 2))
     associate (values => user%values, history => user%history)
       values%energies = history(USER_ENERGY - HISTORY_OFFSET:USER_ENERGY - HISTORY_OFFSET + 2)
       if (is_nlgeom) then
@@ -62,10 +70,15 @@ contains
         axes = frame
         call set_small_increment(strain, frame, user)
       end if
-      call call_umat(material%routines, name, material%props, history(USER_STATE - HISTORY_OFFSET:), values)
+      call call_umat(material%routines, name, material%props, history(USER_STATE - HISTORY_OFFSET:USER_STATE - HISTORY_OFFSET - &
+        1 + material%n_statev), user%fields, values)
       is_accepted = values%is_accepted == 1 .and. all(abs(values%stress) <= huge(1.0_DP)) .and. &
         all(abs(values%ddsdde) <= huge(1.0_DP)) .and. all(abs(history(USER_STATE - HISTORY_OFFSET:)) <= huge(1.0_DP))
       if (.not. is_accepted) return
+      if (is_deleted(material, history(USER_STATE - HISTORY_OFFSET:))) then
+        call delete_point(material, frame, user, stress, tangent)
+        return
+      end if
       if (material%is_shell_law) call add_transverse_stress(material, is_nlgeom, user%history_old(USER_STRESS - HISTORY_OFFSET: &
         USER_STRESS - HISTORY_OFFSET + 5), values)
       history(USER_STRESS - HISTORY_OFFSET:USER_STRESS - HISTORY_OFFSET + 5) = values%stress
@@ -86,6 +99,31 @@ contains
       call convert_jaumann_to_lie(stress, tangent)
     end if
   end subroutine evaluate_umat
+
+
+  !> Whether the state variable that deletes a point is zero.
+  pure logical function is_deleted(material, statev)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: statev(:)
+    is_deleted = .false.
+    if (material%deletion > 0) is_deleted = .not. abs(statev(material%deletion)) > 0
+  end function is_deleted
+
+
+  !> A deleted point: no stress, and a tangent that keeps the matrix regular without any force.
+  pure subroutine delete_point(material, frame, user, stress, tangent)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: frame(3, 3)            !< local axes in columns
+    type(umat_point_type), intent(inout) :: user   !< out: stress and strain energy are zero
+    real(DP), intent(out) :: stress(6), tangent(6, 6)   !< [stress]
+    stress = 0
+    tangent = DELETED_STIFFNESS * matmul(voigt_transformation(frame), matmul(material%at_rest, &
+      transpose(voigt_transformation(frame))))
+    user%values%stress = 0
+    user%values%energies(1) = 0
+    user%history(USER_STRESS - HISTORY_OFFSET:USER_STRESS - HISTORY_OFFSET + 5) = 0
+    user%history(USER_ENERGY - HISTORY_OFFSET) = 0
+  end subroutine delete_point
 
 
   !> What a law of the plane stress of shells does not give: the stresses 33, 13, 23 and their tangent, in the local axes.
@@ -249,10 +287,11 @@ contains
 
   !> DDSDDE of the undeformed material: it stabilizes elements with one point. Called before the start, as Abaqus calls UMAT at the
   !! first point before the first increment.
-  subroutine find_initial_tangent(material, at_rest, initial_statev, error)
+  subroutine find_initial_tangent(material, at_rest, initial_statev, fields, error)
     type(material_type), intent(inout) :: material !< out: at_rest, youngs_modulus
     type(umat_type), intent(in) :: at_rest         !< arguments at a point, with the most components of the material's elements
     real(DP), intent(in) :: initial_statev(:)      !< there
+    real(DP), intent(in) :: fields(:, :)           !< (n, 2) field variables there, and zero
     type(error_type), allocatable, intent(out) :: error
     type(umat_type) :: values
     real(DP) :: statev(size(initial_statev)), solid(6, 6)
@@ -260,7 +299,7 @@ contains
     name = material%name
     values = at_rest
     statev = initial_statev
-    call call_umat(material%routines, name, material%props, statev, values)
+    call call_umat(material%routines, name, material%props, statev, fields, values)
     if (values%is_accepted == 0 .or. .not. all(abs(values%ddsdde) <= huge(1.0_DP))) then
       call set_error(error, EXIT_SETUP, 'UMAT gives no DDSDDE for the material ''' // material%name // &
         ''' at rest (no strain, initial STATEV): it calls XIT, or gives what is not finite.')

@@ -17,6 +17,7 @@ module amontons_materials
   public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH
+  public :: verdict_place, user_field_place
   public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE, USER_FIELD, USER_VERDICT
   public :: SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL
 
@@ -72,6 +73,7 @@ module amontons_materials
   integer, parameter :: USER_ENERGY = USER_GRADIENT + 9    !< three: SSE, SPD, SCD [stress]
   integer, parameter :: USER_ROTATION = USER_ENERGY + 3    !< nine: rotation of the local axes since the start, less 1 [-]
   integer, parameter :: USER_STATE = USER_ROTATION + 9     !< from here on: STATEV, of USDFLD, too
+  ! Behind them, if USDFLD is called before UMAT: its verdict, the field variables and the STATEV that it gave.
 
   integer, parameter :: SYSTEM_RECTANGULAR = 1, SYSTEM_CYLINDRICAL = 2
 
@@ -166,11 +168,30 @@ module amontons_materials
     character(:), allocatable :: library        !< file of its routine; unallocated: that of the job
     real(DP), allocatable :: props(:)           !< its PROPS
     integer :: n_statev = 0                     !< number of the STATEV of UMAT or USDFLD
+    integer :: deletion = 0                     !< number of the STATEV of UMAT that deletes a point where it becomes 0; 0: none
+    integer :: n_fields = 0                     !< number of the field variables that UMAT gets
     real(DP) :: at_rest(6, 6) = 0               !< its DDSDDE in the undeformed state, computed before the start [stress]
     type(user_library_type) :: routines             !< the opened library; opened before the start
   end type material_type
 
 contains
+
+  !> The history variable that is 1 where the result of USDFLD is valid.
+  pure integer function verdict_place(material)
+    type(material_type), intent(in) :: material
+    verdict_place = USER_VERDICT
+    if (material%is_user) verdict_place = USER_STATE + material%n_statev
+  end function verdict_place
+
+
+  !> The history variable that is a field variable by USDFLD; without UMAT that which the tables are over.
+  pure integer function user_field_place(material, variable)
+    type(material_type), intent(in) :: material
+    integer, intent(in) :: variable              !< its number
+    user_field_place = USER_FIELD
+    if (material%is_user) user_field_place = verdict_place(material) + variable
+  end function user_field_place
+
 
   !> The values of a table at a temperature.
   pure subroutine evaluate_table(table, temperature, values)

@@ -36,6 +36,47 @@ static void guard(double *copy, const double *statev, int nstatv)
   for (int i = 0; i < N_GUARDS; i++) copy[nstatv + i] = GUARD;
 }
 
+/* Zero arrays in one block, each between numbers that no routine may change, behind it at least as many as it has itself: a matrix
+ * may be filled as one of more rows. Returns the block; NULL: no memory. */
+static double *guard_arrays(int n, const int *sizes, double **arrays)
+{
+  size_t total = N_GUARDS;
+  for (int k = 0; k < n; k++) total += 2 * (size_t)sizes[k] + N_GUARDS;
+  double *block = malloc(total * sizeof *block);
+  if (!block) return NULL;
+  for (size_t i = 0; i < total; i++) block[i] = GUARD;
+  double *next = block + N_GUARDS;
+  for (int k = 0; k < n; k++) {
+    arrays[k] = next;
+    memset(next, 0, (size_t)sizes[k] * sizeof *next);
+    next += 2 * (size_t)sizes[k] + N_GUARDS;
+  }
+  return block;
+}
+
+static int is_changed(const double *guard)
+{
+  return memcmp(guard, &GUARD, sizeof GUARD) != 0;
+}
+
+/* Stops the job with a message if the numbers behind or in front of an array have changed. The half of a gap nearer to an array
+ * belongs to it. */
+static void check_arrays(routines *self, int n, const char *const *names, const int *sizes, double *const *arrays)
+{
+  for (int k = 0; k < n; k++) {
+    int behind = 0, before = 0;
+    for (int i = 0; i < sizes[k] + N_GUARDS / 2; i++)
+      if (is_changed(&arrays[k][sizes[k] + i])) behind = i + 1;
+    for (int i = 1; i <= N_GUARDS / 2; i++)
+      if (is_changed(arrays[k] - i)) before = i;
+    if (!behind && !before) continue;
+    pthread_mutex_lock(&self->lock);
+    if (!self->is_stopped) amontons_user_report_outside(self, names[k], sizes[k], behind ? sizes[k] + behind : 1 - before);
+    pthread_mutex_unlock(&self->lock);
+    return;
+  }
+}
+
 /* Takes the state variables from the copy; a call that wrote behind them stops the job with a message. */
 static void take_guarded(routines *self, const double *copy, double *statev, int nstatv)
 {
@@ -75,8 +116,9 @@ static int list_components(const umat_values *v, int *place)
   return v->ndi + v->nshr;
 }
 
+/* UMAT. `fields`: PREDEF and DPRED, nfield numbers each. */
 void amontons_user_umat(void *handle, const char *cmname, const double *props, int nprops, double *statev, int nstatv,
-                        umat_values *v)
+                        const double *fields, int nfield, umat_values *v)
 {
   routines *self = handle;
   const int one = 1;
@@ -89,14 +131,13 @@ void amontons_user_umat(void *handle, const char *cmname, const double *props, i
     dstran[i] = v->dstran[place[i]];
   }
   const int jstep[4] = {v->step, 1, 0, 0};
-  const double none = 0;
   double rpl = 0, drpldt = 0, ddsddt[6] = {0}, drplde[6] = {0}, pnewdt = NO_WISH, copy[nstatv + N_GUARDS];
   umat_routine *umat = (umat_routine *)(uintptr_t)self->routine[UMAT];
   const call_place where = {UMAT, v->noel, v->npt, 0, v->step, v->increment};
   guard(copy, statev, nstatv);
   CALL(self, where,
        umat(stress, copy, ddsdde, &v->energies[0], &v->energies[1], &v->energies[2], &rpl, ddsddt, drplde, &drpldt, stran,
-            dstran, v->time, &v->dtime, &v->temp, &v->dtemp, &none, &none, cmname, &v->ndi, &v->nshr, &ntens, &nstatv, props,
+            dstran, v->time, &v->dtime, &v->temp, &v->dtemp, fields, fields + nfield, cmname, &v->ndi, &v->nshr, &ntens, &nstatv, props,
             &nprops, v->coords, v->drot, &pnewdt, &v->celent, v->dfgrd0, v->dfgrd1, &v->noel, &v->npt, &one, &one, jstep,
             &v->increment, NAME_LENGTH));
   take_guarded(self, copy, statev, nstatv);
@@ -344,6 +385,10 @@ typedef struct {
   int is_taken;                     /* 1: valid result; 2: PNEWDT < 1; 0: it has called XIT */
 } uel_values;
 
+/* The arrays of UEL that it may damage by writing outside of them. */
+enum { RHS, AMATRX, SVARS, ENERGY, COORDS, U, DU, V, A, PREDEF, N_UEL_ARRAYS, N_ENERGIES = 8 };
+static const char *const UEL_ARRAYS[N_UEL_ARRAYS] = {"RHS", "AMATRX", "SVARS", "ENERGY", "COORDS", "U", "DU", "V", "A", "PREDEF"};
+
 /* UEL. `inputs`: coords, u, du, predef; `memory`: svars, energy; `counts`: nprops, njprop. There are no loads on user elements and
  * no velocities. */
 void amontons_user_uel(void *handle, const double *props, const int *jprops, const int *counts, const double *inputs, double *rhs,
@@ -352,17 +397,28 @@ void amontons_user_uel(void *handle, const double *props, const int *jprops, con
   routines *self = handle;
   const int one = 1, none = 0, no_type = 0;
   const double no_load = 0, params[3] = {0};
-  const double *coords = inputs, *u = coords + v->mcrd * v->nnode, *du = u + v->ndofel, *predef = du + v->ndofel;
-  double pnewdt = NO_WISH, *rest = calloc((size_t)v->ndofel, sizeof *rest);
+  const int n = v->ndofel, sizes[N_UEL_ARRAYS] = {n, n * n, v->nsvars, N_ENERGIES, v->mcrd * v->nnode, n, n, n, n,
+                                                  2 * v->npredf * v->nnode};
+  double pnewdt = NO_WISH, *array[N_UEL_ARRAYS], *block = guard_arrays(N_UEL_ARRAYS, sizes, array);
   uel_routine *uel = (uel_routine *)(uintptr_t)self->routine[UEL];
   const call_place where = {UEL, v->element, 0, 0, v->step, v->increment};
   v->is_taken = 0;
-  if (!rest) return;
+  if (!block) return;
+  memcpy(array[SVARS], memory, (size_t)v->nsvars * sizeof *memory);
+  memcpy(array[ENERGY], memory + v->nsvars, N_ENERGIES * sizeof *memory);
+  for (int k = COORDS; k <= PREDEF; inputs += k == V || k == A ? 0 : sizes[k], k++)
+    if (k != V && k != A) memcpy(array[k], inputs, (size_t)sizes[k] * sizeof *inputs);
   CALL(self, where,
-       uel(rhs, amatrx, memory, memory + v->nsvars, &v->ndofel, &one, &v->nsvars, props, &counts[0], coords, &v->mcrd, &v->nnode,
-           u, du, rest, rest, &v->jtype, v->time, &v->dtime, &v->step, &v->increment, &v->element, params, &none, &no_type,
-           &no_load, predef, &v->npredf, v->lflags, &v->ndofel, &no_load, &one, &pnewdt, jprops, &counts[1], &v->period));
-  free(rest);
+       uel(array[RHS], array[AMATRX], array[SVARS], array[ENERGY], &v->ndofel, &one, &v->nsvars, props, &counts[0], array[COORDS],
+           &v->mcrd, &v->nnode, array[U], array[DU], array[V], array[A], &v->jtype, v->time, &v->dtime, &v->step, &v->increment,
+           &v->element, params, &none, &no_type, &no_load, array[PREDEF], &v->npredf, v->lflags, &v->ndofel, &no_load, &one,
+           &pnewdt, jprops, &counts[1], &v->period));
+  check_arrays(self, N_UEL_ARRAYS, UEL_ARRAYS, sizes, array);
+  memcpy(rhs, array[RHS], (size_t)n * sizeof *rhs);
+  memcpy(amatrx, array[AMATRX], (size_t)n * (size_t)n * sizeof *amatrx);
+  memcpy(memory, array[SVARS], (size_t)v->nsvars * sizeof *memory);
+  memcpy(memory + v->nsvars, array[ENERGY], N_ENERGIES * sizeof *memory);
+  free(block);
   pthread_mutex_lock(&self->lock);
   v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;
   if (pnewdt > 0 && pnewdt < self->smallest) self->smallest = pnewdt;
@@ -397,15 +453,25 @@ void amontons_user_usdfld(void *handle, const char *names, double *field, double
   double pnewdt = NO_WISH, copy[v->nstatv + N_GUARDS];
   usdfld_routine *usdfld = (usdfld_routine *)(uintptr_t)self->routine[USDFLD];
   const call_place where = {USDFLD, v->noel, v->npt, 0, v->step, v->increment};
+  double given[v->nfield + N_GUARDS];
   point_of_call = v;
-  fields_of_call = field;
+  fields_of_call = given;
   statev_of_call = copy;
+  guard(given, field, v->nfield);
   guard(copy, statev, v->nstatv);
   CALL(self, where,
-       usdfld(field, copy, &pnewdt, v->direct, turn, &v->celent, v->time, &v->dtime, names, names + NAME_LENGTH, &v->nfield,
+       usdfld(given, copy, &pnewdt, v->direct, turn, &v->celent, v->time, &v->dtime, names, names + NAME_LENGTH, &v->nfield,
               &v->nstatv, &v->noel, &v->npt, &one, &one, &v->step, &v->increment, &v->ndi, &v->nshr, v->coords, &none, &none,
               &none, &none, NAME_LENGTH, NAME_LENGTH));
   take_guarded(self, copy, statev, v->nstatv);
+  memcpy(field, given, (size_t)v->nfield * sizeof *field);
+  for (int i = N_GUARDS; i > 0; i--)
+    if (is_changed(&given[v->nfield + i - 1])) {
+      pthread_mutex_lock(&self->lock);
+      if (!self->is_stopped) amontons_user_report_outside(self, "FIELD", v->nfield, v->nfield + i);
+      pthread_mutex_unlock(&self->lock);
+      break;
+    }
   point_of_call = NULL;
   pthread_mutex_lock(&self->lock);
   v->is_taken = self->is_stopped ? 0 : pnewdt < 1 ? 2 : 1;

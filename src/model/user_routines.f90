@@ -200,12 +200,13 @@ module amontons_user_routines
       integer(c_int), value :: capacity
     end subroutine messages_c
 
-    pure subroutine umat_c(handle, cmname, props, nprops, statev, nstatv, values) bind(C, name='amontons_user_umat')
+    pure subroutine umat_c(handle, cmname, props, nprops, statev, nstatv, fields, nfield, values) &
+      bind(C, name='amontons_user_umat')
       import :: c_char, c_double, c_int, c_ptr, umat_type
       type(c_ptr), value :: handle
       character(kind=c_char), intent(in) :: cmname(*)
-      real(c_double), intent(in) :: props(*)
-      integer(c_int), value :: nprops, nstatv
+      real(c_double), intent(in) :: props(*), fields(*)
+      integer(c_int), value :: nprops, nstatv, nfield
       real(c_double), intent(inout) :: statev(*)
       type(umat_type), intent(inout) :: values
     end subroutine umat_c
@@ -352,13 +353,17 @@ contains
 
 
   !> Calls UMAT.
-  pure subroutine call_umat(routines, name, props, statev, values)
+  pure subroutine call_umat(routines, name, props, statev, fields, values)
     type(user_library_type), intent(in) :: routines
     character(USER_NAME_LENGTH), intent(in) :: name       !< CMNAME
     real(DP), intent(in) :: props(:)               !< PROPS
     real(DP), intent(inout) :: statev(:)           !< STATEV
+    real(DP), intent(in) :: fields(:, :)           !< (n, 2) PREDEF, DPRED
     type(umat_type), intent(inout) :: values
-    call umat_c(routines%handle, name, props, size(props), statev, size(statev), values)
+    real(DP) :: given(max(1, size(fields, 1)), 2)   ! a routine may look at the first of none
+    given = 0
+    given(:size(fields, 1), :) = fields
+    call umat_c(routines%handle, name, props, size(props), statev, size(statev), given, size(given, 1), values)
   end subroutine call_umat
 
 

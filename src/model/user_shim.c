@@ -638,3 +638,11 @@ void amontons_user_report_overrun(routines *self, int nstatv, int last)
   self->is_stopped = CRASHED;
   report(self, "is wrong", cause);
 }
+
+void amontons_user_report_outside(routines *self, const char *name, int size, int number)
+{
+  char cause[100];
+  snprintf(cause, sizeof cause, "it wrote number %d of the array %s, which has %d", number, name, size);
+  self->is_stopped = CRASHED;
+  report(self, "is wrong", cause);
+}

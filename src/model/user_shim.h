@@ -46,4 +46,7 @@ void amontons_user_report_crash(routines *self);
 /* The same of a call that wrote behind its state variables: their number, and the last one that it wrote. */
 void amontons_user_report_overrun(routines *self, int nstatv, int last);
 
+/* The same of a call that wrote outside an array: its name, its size, and the number that it wrote, from 1 on. */
+void amontons_user_report_outside(routines *self, const char *name, int size, int number);
+
 #endif

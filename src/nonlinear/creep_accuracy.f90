@@ -8,7 +8,7 @@ module amontons_creep_accuracy
   use amontons_failure, only: failure_type, FAILURE_CREEP
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
-  use amontons_materials, only: material_type, CREEP_NONE, HISTORY_CEEQ, USER_FIELD, ELASTIC_ISOTROPIC
+  use amontons_materials, only: material_type, CREEP_NONE, HISTORY_CEEQ, user_field_place, ELASTIC_ISOTROPIC
   use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_plasticity, only: creep_strain_difference
@@ -71,7 +71,8 @@ contains
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
         i = p - model%mesh%point_first(e) + 1
         argument = [dot_product(weight(:, i), old%temperature(k + nodes)), dot_product(weight(:, i), new%temperature(k + nodes))]
-        if (material%is_user_field) argument = [old%history(USER_FIELD, p), new%history(USER_FIELD, p)]
+        if (material%is_user_field) argument = [old%history(user_field_place(material, material%table_variable), p), &
+          new%history(user_field_place(material, material%table_variable), p)]
         difference = max(difference, creep_strain_difference(material, argument, [new%total_time, new%creep_time &
           - old%creep_time], [old%history(HISTORY_CEEQ, p), new%history(HISTORY_CEEQ, p)], &
           [von_mises(old%stress(:, p)), von_mises(new%stress(:, p))]))

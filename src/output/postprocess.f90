@@ -34,7 +34,7 @@ module amontons_postprocess
     von_mises
   use amontons_surfaces, only: surface_type, BEHAVIOR_LINEAR, BEHAVIOR_USER
   use amontons_dual_shape_functions, only: is_transformed, BASIS_ALPHA
-  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, USER_FIELD
+  use amontons_materials, only: HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, user_field_place
   implicit none
   private
   public :: average_at_nodes, estimate_error, integration_point_volumes, integration_point_positions
@@ -359,7 +359,8 @@ contains
             temperature(1) = dot_product(weight(:n, i), model%initial_temperature(nodes(:n)))
             field(1) = dot_product(weight(:n, i), model%initial_temperature(k + nodes(:n)))
           end if
-          if (model%materials(m)%is_user_field) field(2) = fields%history(USER_FIELD, p)
+          if (model%materials(m)%is_user_field) field(2) = fields%history(user_field_place(model%materials(m), &
+            model%materials(m)%table_variable), p)
           frame = IDENTITY
           if (allocated(fields%frame)) frame = fields%frame(:, :, p)
           strain(:, p) = strain(:, p) - evaluate_thermal_strain(model%materials(m), temperature, field, frame, is_nlgeom)

@@ -4,7 +4,9 @@ module amontons_user_state
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_NOT_CONVERGED
   use amontons_element, only: evaluate_element_volume, set_temperature_weights
-  use amontons_materials, only: material_type, USER_STRESS, USER_STATE, USER_FIELD, USER_VERDICT, HISTORY_PEEQ, HISTORY_INELASTIC
+  use amontons_user_material, only: umat_point_type, is_deleted
+  use amontons_materials, only: material_type, verdict_place, user_field_place, USER_STRESS, USER_STATE, USER_FIELD, &
+    HISTORY_PEEQ, HISTORY_INELASTIC
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_model, only: model_type, material_in_step
   use amontons_element_integration_points, only: integration_points_type
@@ -15,12 +17,13 @@ module amontons_user_state
     FAMILY_PLANE_STRESS, FAMILY_MEMBRANE, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
   use amontons_user_routines, only: call_dload, call_utracload, call_disp, call_sdvini, call_usdfld, usdfld_type, umat_type, &
     user_library_type, &
-    USER_NAME_LENGTH
+    has_routine, ROUTINE_USDFLD, USER_NAME_LENGTH
   use amontons_tensor, only: IDENTITY, cross_product
   implicit none
   private
   public :: max_stress_components, find_point_at_rest, initialize_state_variables, load_umat_points, store_umat_points
   public :: evaluate_dload, evaluate_utracload, evaluate_disp
+  public :: is_deleted_element, field_library
   public :: update_user_fields, load_user_fields, has_invalid_fields
 
 contains
@@ -34,6 +37,7 @@ contains
     type(integration_points_type), intent(inout) :: points     !< out: user
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), x(3, &
       MAX_ELEMENT_NODES), volume, dt
+    real(DP) :: weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
     integer :: n_rule, n_nodes, nodes(MAX_ELEMENT_NODES), p, m, first, n_history, status, components(2)
     m = material_in_step(model, state%new%step, e)
     components = umat_components(model%materials(m), model%mesh%kind(e))
@@ -43,6 +47,7 @@ contains
       wall_ratios(model%mesh, e))
     if (is_nlgeom) x(:, :n_nodes) = x(:, :n_nodes) + state%new%u(:, nodes(:n_nodes))
     call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
+    if (model%materials(m)%n_fields > 0) call set_temperature_weights(model%mesh%kind(e), weight, wall_ratios(model%mesh, e))
     dt = state%new%total_time - state%old%total_time
     first = model%mesh%point_first(e)
     n_history = model%materials(m)%n_history
@@ -64,9 +69,60 @@ contains
         values%nshr = components(2)
         values%step = state%new%step
         values%increment = state%new%increment
+        if (model%materials(m)%n_fields == 0) cycle
+        if (model%materials(m)%is_user_field) then
+          call load_field_call(model%materials(m), state%new%history(:, first + p - 1), user)
+        else
+          call load_fields(model%materials(m)%n_fields, state, nodes(:n_nodes), weight(:n_nodes, p), user)
+        end if
       end associate
     end do
   end subroutine load_umat_points
+
+
+  !> Field variables of a point from those of the nodes: at the start of the increment, and their changes.
+  pure subroutine load_fields(n_fields, state, nodes, weight, user)
+    integer, intent(in) :: n_fields
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: nodes(:)                !< of the element
+    real(DP), intent(in) :: weight(:)              !< of its nodes [-]
+    type(umat_point_type), intent(inout) :: user   !< out: fields
+    integer :: k, n
+    n = size(state%new%u, 2)
+    allocate (user%fields(n_fields, 2))
+    user%fields(:, 1) = [(dot_product(weight, state%old%temperature(k * n + nodes)), k=1, n_fields)]
+    user%fields(:, 2) = [(dot_product(weight, state%new%temperature(k * n + nodes)), k=1, n_fields)] - user%fields(:, 1)
+  end subroutine load_fields
+
+
+  !> Field variables and STATEV of a point from USDFLD, which stay the same over the increment.
+  pure subroutine load_field_call(material, history, user)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: history(:)             !< of the trial state
+    type(umat_point_type), intent(inout) :: user   !< out: fields, history_old
+    integer :: first
+    first = user_field_place(material, 1)
+    allocate (user%fields(material%n_fields, 2), source=0.0_DP)
+    user%fields(:, 1) = history(first:first + material%n_fields - 1)
+    user%history_old(verdict_place(material) - USER_STRESS + 1:) = history(verdict_place(material):material%n_history)
+    user%history_old(USER_STATE - USER_STRESS + 1:USER_STATE - USER_STRESS + material%n_statev) = history(first + &
+      material%n_fields:first + material%n_fields + material%n_statev - 1)
+  end subroutine load_field_call
+
+
+  !> Whether all points of an element are deleted by UMAT.
+  pure logical function is_deleted_element(model, fields, e) result(is_so)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    integer, intent(in) :: e
+    integer :: p, m
+    is_so = .false.
+    m = material_in_step(model, fields%step, e)
+    if (m == 0) return
+    if (model%materials(m)%deletion == 0) return
+    is_so = all([(is_deleted(model%materials(m), fields%history(USER_STATE:, p)), p=model%mesh%point_first(e), &
+      model%mesh%point_first(e + 1) - 1)])
+  end function is_deleted_element
 
 
   !> Number of normal and shear components that UMAT gets in an element.
@@ -124,13 +180,14 @@ contains
 
   !> The arguments of UMAT, but for DTIME, at the first point of the first element of a material, before the first increment; their
   !! number is the largest over its elements. A material without elements gets element 1 at the origin.
-  subroutine find_point_at_rest(model, m, values, statev)
+  subroutine find_point_at_rest(model, m, values, statev, fields)
     type(model_type), intent(in) :: model
     integer, intent(in) :: m                       !< material
     type(umat_type), intent(out) :: values
-    real(DP), allocatable, intent(out) :: statev(:)   !< of the deck or of SDVINI; else 0
+    real(DP), allocatable, intent(out) :: statev(:)   !< of the deck or of SDVINI; else 0, 1 for that which deletes the point
+    real(DP), allocatable, intent(out) :: fields(:, :)   !< (n, 2) field variables in the middle of the element, and zero
     real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), volume
-    integer :: components(2), nodes(MAX_ELEMENT_NODES), e, n_rule, n_nodes, status
+    integer :: components(2), nodes(MAX_ELEMENT_NODES), e, n_rule, n_nodes, status, k
     logical :: is_accepted
     components = max_stress_components(model, m)
     values%ndi = components(1)
@@ -143,7 +200,8 @@ contains
     values%drot = IDENTITY
     values%dfgrd0 = IDENTITY
     values%dfgrd1 = IDENTITY
-    allocate (statev(model%materials(m)%n_statev), source=0.0_DP)
+    allocate (statev(model%materials(m)%n_statev), fields(model%materials(m)%n_fields, 2), source=0.0_DP)
+    if (model%materials(m)%deletion > 0) statev(model%materials(m)%deletion) = 1
     e = findloc(model%mesh%material, m, dim=1)
     if (e == 0) return
     associate (mesh => model%mesh)
@@ -155,7 +213,11 @@ contains
       values%coords = matmul(mesh%coordinates(:, nodes(:n_nodes)), N(:n_nodes))
       values%celent = max(volume, 0.0_DP)**(1 / 3.0_DP)
       values%noel = mesh%element_label(e)
-      if (allocated(model%initial_temperature)) values%temp = sum(model%initial_temperature(nodes(:n_nodes))) / real(n_nodes, DP)
+      if (allocated(model%initial_temperature)) then
+        values%temp = sum(model%initial_temperature(nodes(:n_nodes))) / real(n_nodes, DP)
+        fields(:, 1) = [(sum(model%initial_temperature(k * mesh%n_nodes + nodes(:n_nodes))) / real(n_nodes, DP), &
+          k=1, size(fields, 1))]
+      end if
       if (allocated(model%initial_statev)) statev = model%initial_statev(:size(statev), mesh%point_first(e))
     end associate
     if (model%has_sdvini .and. size(statev) > 0) call call_sdvini(model%materials(m)%routines, statev, values%coords, values%noel, &
@@ -172,7 +234,7 @@ contains
     type(user_library_type) :: routines
     integer :: e, p, first, n_rule, n_nodes, nodes(MAX_ELEMENT_NODES)
     logical :: is_accepted
-    if (.not. (model%has_sdvini .or. allocated(model%initial_statev))) return
+    if (.not. (model%has_sdvini .or. allocated(model%initial_statev) .or. any(model%materials%deletion > 0))) return
     is_accepted = .true.
     do e = 1, model%mesh%n_elements
       if (model%mesh%material(e) == 0) cycle
@@ -184,6 +246,7 @@ contains
         routines = model%routines
         if (material%is_user) routines = material%routines
         do p = first, model%mesh%point_first(e + 1) - 1
+          if (material%deletion > 0) statev(USER_STATE + material%deletion - 1, p) = 1
           if (allocated(model%initial_statev)) statev(USER_STATE:USER_STATE + material%n_statev - 1, p) = &
             model%initial_statev(:material%n_statev, p)
           if (.not. model%has_sdvini) cycle
@@ -225,7 +288,7 @@ contains
     character(USER_NAME_LENGTH) :: names(2)
     type(usdfld_type) :: values
     integer :: n_rule, n_nodes, nodes(MAX_ELEMENT_NODES), i, k, p, status, components(2)
-    components = count_stress_components(model%mesh%kind(e))
+    components = umat_components(model%materials(m), model%mesh%kind(e))
     call element_nodes(model%mesh, e, n_nodes, nodes)
     call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
     call set_temperature_weights(model%mesh%kind(e), weight, wall_ratios(model%mesh, e))
@@ -252,14 +315,42 @@ contains
           k=1, size(new%temperature) / mesh%n_nodes - 1)]
         if (size(field) == 0) field = [0.0_DP]
         statev = old%history(USER_STATE:USER_STATE - 1 + model%materials(m)%n_statev, p)
-        call call_usdfld(model%routines, names, field, statev, values)
-        new%history(USER_FIELD, p) = field(max(1, model%materials(m)%table_variable))
-        new%history(USER_VERDICT, p) = merge(1.0_DP, 0.0_DP, values%is_accepted == 1 .and. &
-          all(abs([field, statev]) <= huge(1.0_DP)))
-        new%history(USER_STATE:USER_STATE - 1 + model%materials(m)%n_statev, p) = statev
+        call call_usdfld(field_library(model, model%materials(m)), names, field, statev, values)
+        call store_field_call(model%materials(m), field, statev, values%is_accepted == 1, new%history(:, p))
       end do
     end associate
   end subroutine call_at_points
+
+
+  !> Stores what USDFLD gave at a point. STATEV of UMAT start from those of USDFLD, which are kept apart for each iteration.
+  pure subroutine store_field_call(material, field, statev, is_accepted, history)
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: field(:), statev(:)
+    logical, intent(in) :: is_accepted
+    real(DP), intent(inout) :: history(:)
+    integer :: first
+    history(verdict_place(material)) = merge(1.0_DP, 0.0_DP, is_accepted .and. all(abs([field, statev]) <= huge(1.0_DP)))
+    if (material%is_user) then
+      first = user_field_place(material, 1)
+      history(first:first + material%n_fields - 1) = field(:material%n_fields)
+      first = first + material%n_fields
+    else
+      history(USER_FIELD) = field(max(1, material%table_variable))
+      first = USER_STATE
+    end if
+    history(first:first + size(statev) - 1) = statev
+  end subroutine store_field_call
+
+
+  !> The library whose USDFLD a material takes: its own, if it has the routine, else that of the job.
+  function field_library(model, material) result(routines)
+    type(model_type), intent(in) :: model
+    type(material_type), intent(in) :: material
+    type(user_library_type) :: routines
+    routines = model%routines
+    if (.not. material%is_user) return
+    if (has_routine(material%routines, ROUTINE_USDFLD)) routines = material%routines
+  end function field_library
 
 
   !> What GETVRM gives at a point, in the local axes, and these.
@@ -284,13 +375,14 @@ contains
     type(state_type), intent(in) :: state
     integer, intent(in) :: e
     type(integration_points_type), intent(inout) :: points     !< out: point_field
-    integer :: p, m
+    integer :: p, m, k
     m = material_in_step(model, state%new%step, e)
     if (m == 0) return
     if (.not. model%materials(m)%is_user_field) return
+    k = user_field_place(model%materials(m), max(1, model%materials(m)%table_variable))
     p = model%mesh%point_first(e)
     m = model%mesh%point_first(e + 1) - p
-    points%point_field(:m) = state%new%history(USER_FIELD, p:p + m - 1)
+    points%point_field(:m) = state%new%history(k, p:p + m - 1)
   end subroutine load_user_fields
 
 
@@ -303,7 +395,7 @@ contains
     has_invalid_fields = .false.
     m = material_in_step(model, fields%step, e)
     if (m == 0) return
-    if (model%materials(m)%is_user_field) has_invalid_fields = any(fields%history(USER_VERDICT, &
+    if (model%materials(m)%is_user_field) has_invalid_fields = any(fields%history(verdict_place(model%materials(m)), &
       model%mesh%point_first(e):model%mesh%point_first(e + 1) - 1) < 1)
   end function has_invalid_fields
 

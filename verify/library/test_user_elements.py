@@ -253,6 +253,30 @@ def test_manual(run: Run, tmp_path: Path) -> None:
     assert abs(read_history(tmp_path / "job.vtkhdf")["strain_energy"][-1] - 1.8) <= 1e-12
 
 
+@pytest.mark.parametrize(
+    ("statement", "words"),
+    [
+        ("rhs(ndofel + 3, 1) = 1", "it wrote number 9 of the array RHS, which has 6"),
+        ("amatrx(:, ndofel + 1) = 1", "it wrote number 42 of the array AMATRX, which has 36"),
+        ("svars(nsvars + 100) = 1", "it wrote number 102 of the array SVARS, which has 2"),
+        ("energy(20) = 1", "it wrote number 20 of the array ENERGY, which has 8"),
+        ("svars(k - 3) = 1", "it wrote number -2 of the array SVARS, which has 2"),
+        ("predef(1, npredf + 3, nnode) = 1", "of the array PREDEF, which has 4"),
+    ],
+)
+def test_writes_outside_of_arrays(statement: str, words: str, run: Run, tmp_path: Path) -> None:
+    """A routine that writes outside of its arrays in the second increment: a message with routine, element and array."""
+    place = "    svars(2) = svars(2) + 1\n"
+    text = UEL.read_text()
+    assert text.count(place) == 1
+    (tmp_path / "wrong.f90").write_text(text.replace(place, f"{place}    k = nint(jtype + 0 * dtime)\n    if (kinc == 2 .and. jelem == 2) {statement}\n"))
+    (tmp_path / "job.inp").write_text(arch(THEIRS, nlgeom=True, load=-0.3))
+    done = run(["job", "user=wrong.f90"], cwd=tmp_path)
+    assert done.returncode == NOT_CONVERGED, done.stdout + done.stderr
+    assert "The routine UEL of wrong.f90 is wrong at element 2 in increment 2 of step 1" in done.stdout
+    assert words in done.stdout
+
+
 def test_parts(run: Run, tmp_path: Path) -> None:
     """A part with user elements and two instances: each as the deck without parts."""
     nodes, rest = ARCH.split("{elements}")

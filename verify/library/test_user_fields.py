@@ -122,7 +122,7 @@ def test_shorter_increments(run: Run, tmp_path: Path) -> None:
         ("", "", [f"user={ROOT / 'verify/library/routines/loads.f90'}"], SETUP, "needs the user routine USDFLD, which is not in"),
         ("*USER DEFINED FIELD\n", "", [f"user={USDFLD}"], DECK_ERROR, "has *DEPVAR but no *USER MATERIAL or *USER DEFINED FIELD"),
         ("*USER DEFINED FIELD\n", "*USER DEFINED FIELD\n*USER MATERIAL, CONSTANTS=0\n", [f"user={USDFLD}"], DECK_ERROR,
-         "compute the field variables there"),
+         "has *USER MATERIAL beside laws of ours"),
         ("BROKEN", "STOPPED", [f"user={USDFLD}"], NOT_CONVERGED, "A user routine has ended the job (XIT or STDB_ABQERR)"),
     ],
 )  # fmt: skip

@@ -6,13 +6,15 @@ program test_user_material
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, USER_STRESS, USER_STATE, USER_STRAIN
   use amontons_tensor, only: IDENTITY, determinant, pack_voigt, unpack_voigt
-  use amontons_user_material, only: umat_point_type, evaluate_umat, find_initial_tangent, transverse_energy
+  use amontons_user_material, only: umat_point_type, evaluate_umat, find_initial_tangent, transverse_energy, is_deleted, &
+    DELETED_STIFFNESS
   use amontons_user_routines, only: umat_type, open_routines, close_routines, has_routine, ROUTINE_UMAT, ROUTINE_DLOAD, &
     ROUTINE_FRIC
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   real(DP), parameter :: LAMBDA = 3, G = 2
+  real(DP) :: no_fields(0, 2)
   type(material_type) :: material
   call open_umat()
   call check_small()
@@ -21,6 +23,7 @@ program test_user_material
   call check_refusal()
   call check_initial()
   call check_shell()
+  call check_deletion()
   call check_missing()
   call suite%finish()
 
@@ -75,7 +78,7 @@ contains
     shell%transverse_shear = reshape([0.5_DP, 0.1_DP, 0.1_DP, 0.7_DP], [2, 2])   ! 13, 23
     at_rest%ndi = 2
     at_rest%nshr = 1
-    call find_initial_tangent(shell, at_rest, [0.0_DP], error)
+    call find_initial_tangent(shell, at_rest, [0.0_DP], no_fields, error)
     call suite%that('shell at rest', .not. allocated(error))
     call suite%near('33 is as stiff as 11', shell%at_rest(3, 3), LAMBDA + 2 * G, 1.0e-14_DP)
     call suite%near('33 alone', norm2(shell%at_rest([1, 2, 4, 5, 6], 3)), 0.0_DP, 0.0_DP)
@@ -101,6 +104,35 @@ contains
     call suite%near('constant volume: no stress across', stress(3), 0.0_DP, 1.0e-5_DP)
     call suite%that('stress along', stress(1) > 0.02_DP * (LAMBDA + 2 * G) * 0.95_DP)
   end subroutine check_shell
+
+
+  !> STATEV(1), to which UMAT adds one, deletes the point where it becomes 0: no stress, for good; a small tangent.
+  subroutine check_deletion()
+    type(material_type) :: fragile
+    type(umat_type) :: at_rest
+    type(umat_point_type) :: user
+    type(error_type), allocatable :: error
+    real(DP) :: strain(6), stress(6), c(6, 6), H(3, 3)
+    integer :: i
+    logical :: is_accepted
+    fragile = material
+    fragile%deletion = 1
+    call find_initial_tangent(fragile, at_rest, [1.0_DP], no_fields, error)
+    call suite%that('fragile at rest', .not. allocated(error))
+    H = 0
+    strain = [0.1_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP, 0.0_DP]
+    call suite%that('deleted', is_deleted(fragile, [0.0_DP]) .and. .not. is_deleted(fragile, [1.0_DP]) .and. &
+      .not. is_deleted(material, [0.0_DP]))
+    call make_point(user)
+    user%history_old(USER_STATE - USER_STRESS + 1) = -1
+    do i = 1, 2
+      call evaluate_umat(fragile, .false., H, strain, IDENTITY, user, stress, c, is_accepted)
+      call suite%that('accepted without stress', is_accepted .and. all(abs(stress) <= 0.0_DP))
+      call suite%near('small tangent', norm2(c - DELETED_STIFFNESS * isotropic_tangent(LAMBDA, G)), 0.0_DP, 1.0e-14_DP)
+      call suite%near('STATEV stays', user%history(USER_STATE - USER_STRESS + 1), 0.0_DP, 0.0_DP)
+      user%history_old = user%history
+    end do
+  end subroutine check_deletion
 
 
   !> Small strain: Hooke's law in our order of components, the strain and the count in the history.
@@ -209,7 +241,7 @@ contains
     at_rest%dtime = 0.1_DP
     at_rest%ndi = 3
     at_rest%nshr = 3
-    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], error)
+    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], no_fields, error)
     call suite%that('no error', .not. allocated(error))
     call suite%near('at rest', norm2(material%at_rest - isotropic_tangent(LAMBDA, G)), 0.0_DP, 1.0e-14_DP)
     E = G * (3 * LAMBDA + 2 * G) / (LAMBDA + G)
@@ -217,11 +249,11 @@ contains
     call suite%near('nu', material%poissons_ratio, LAMBDA / (2 * (LAMBDA + G)), 1.0e-15_DP)
     at_rest%ndi = 3
     at_rest%nshr = 1
-    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], error)
+    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], no_fields, error)
     call suite%near('plane strain', norm2(material%at_rest - isotropic_tangent(LAMBDA, G)), 0.0_DP, 1.0e-14_DP)
     at_rest%ndi = 1
     at_rest%nshr = 0
-    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], error)
+    call find_initial_tangent(material, at_rest, [(0.0_DP, i=1, material%n_statev)], no_fields, error)
     call suite%near('a bar: E is its c 11', material%youngs_modulus, LAMBDA + 2 * G, 1.0e-13_DP)
   end subroutine check_initial
 

@@ -86,14 +86,14 @@ contains
   !> At rest: number, place and size of the first element, and the STATEV there.
   subroutine check_at_rest()
     type(umat_type) :: values
-    real(DP), allocatable :: statev(:)
-    call find_point_at_rest(model, 1, values, statev)
+    real(DP), allocatable :: statev(:), fields(:, :)
+    call find_point_at_rest(model, 1, values, statev, fields)
     call suite%that('element 7, point 1', values%noel == 7 .and. values%npt == 1 .and. values%ndi == 3 .and. values%nshr == 3)
     call suite%near('place', norm2(values%coords - [NEAR, NEAR, NEAR]), 0.0_DP, TOL)
     call suite%that('no STATEV yet', size(statev) == 2 .and. all(abs(statev) <= 0.0_DP))
     call suite%near('DFGRD1', norm2(values%dfgrd1 - IDENTITY), 0.0_DP, 0.0_DP)
     model%has_sdvini = .true.
-    call find_point_at_rest(model, 1, values, statev)
+    call find_point_at_rest(model, 1, values, statev, fields)
     call suite%near('SDVINI', maxval(abs(statev - [NEAR, 701.0_DP])), 0.0_DP, TOL)
     model%has_sdvini = .false.
   end subroutine check_at_rest
