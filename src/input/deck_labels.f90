@@ -13,7 +13,7 @@ module amontons_deck_labels
   private
   public :: deck_element_type, label_scope_type, clear_scope, read_mesh_card, find_or_add_set, add_node, add_element, &
     add_members, sort_unique, find_label_index, &
-    find_element, n_nodes_of_type, to_cartesian
+    find_element, n_nodes_of_type, to_cartesian, parameter_value, card_has_parameter
 
   !> One element as written in the deck.
   type :: deck_element_type
@@ -330,5 +330,32 @@ contains
       if (is_there(i)) call list%add(i)
     end do
   end subroutine sort_unique
+
+
+  !> The value of a parameter as written.
+  function parameter_value(cards, c, name) result(text)
+    type(cards_type), intent(in) :: cards
+    integer, intent(in) :: c                     !< card
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    type(parameter_type), allocatable :: parameters(:)
+    integer :: i
+    text = ''
+    call read_parameters(cards, cards%cards(c), parameters)
+    do i = 1, size(parameters)
+      if (parameters(i)%key == name) text = parameters(i)%text
+    end do
+  end function parameter_value
+
+
+  !> Whether a card has a parameter.
+  logical function card_has_parameter(cards, c, name) result(is_given)
+    type(cards_type), intent(in) :: cards
+    integer, intent(in) :: c
+    character(*), intent(in) :: name
+    type(parameter_type), allocatable :: parameters(:)
+    call read_parameters(cards, cards%cards(c), parameters)
+    is_given = has_parameter(parameters, name)
+  end function card_has_parameter
 
 end module amontons_deck_labels

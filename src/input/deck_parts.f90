@@ -9,10 +9,9 @@ module amontons_deck_parts
   use amontons_kinds, only: DP, PI
   use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, start_deck_text, append_line, &
     find_cards, read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
-  use amontons_card_schema, only: has_parameter
   use amontons_tensor, only: cross_product, IDENTITY
   use amontons_text, only: name_key, to_text, is_one_of, parse_integer, parse_real, NUMBER_OK
-  use amontons_deck_labels, only: n_nodes_of_type
+  use amontons_deck_labels, only: n_nodes_of_type, parameter_value, card_has_parameter
   implicit none
   private
   public :: flatten_parts
@@ -36,6 +35,7 @@ module amontons_deck_parts
     character(:), allocatable :: part            !< squeezed name of the part
     integer :: first = 0, last = -1              !< cards of the instance itself
     integer :: added(OF_NAME:OF_ELEMENT) = 0     !< to numbers
+    integer :: largest(OF_NAME:OF_ELEMENT) = 0   !< number that it has itself; looked at for instances
     real(DP) :: shift(3) = 0                     !< translation [length]
     real(DP) :: turn(3, 3) = 0                   !< rotation, after the translation
     real(DP) :: centre(3) = 0                    !< a point of its axis [length]
@@ -252,22 +252,6 @@ contains
   end subroutine read_placement
 
 
-  !> The value of a parameter as written.
-  function parameter_value(cards, c, name) result(text)
-    type(cards_type), intent(in) :: cards
-    integer, intent(in) :: c                     !< card
-    character(*), intent(in) :: name
-    character(:), allocatable :: text
-    type(parameter_type), allocatable :: parameters(:)
-    integer :: i
-    text = ''
-    call read_parameters(cards, cards%cards(c), parameters)
-    do i = 1, size(parameters)
-      if (parameters(i)%key == name) text = parameters(i)%text
-    end do
-  end function parameter_value
-
-
   !> Shifts that give every instance, and last the assembly, unique numbers. The first instance keeps those of its part.
   subroutine number_scopes(cards, work)
     type(cards_type), intent(in) :: cards
@@ -280,10 +264,12 @@ contains
         instance%added(OF_NODE) = n_nodes
         instance%added(OF_ELEMENT) = n_elements
         p = find_part(work, instance)
-        n_nodes = n_nodes + max(largest_label(cards, 'NODE', work%parts(p)%first, work%parts(p)%last), &
+        instance%largest(OF_NODE) = max(largest_label(cards, 'NODE', work%parts(p)%first, work%parts(p)%last), &
           largest_label(cards, 'NODE', instance%first, instance%last))
-        n_elements = n_elements + max(largest_label(cards, 'ELEMENT', work%parts(p)%first, work%parts(p)%last), &
+        instance%largest(OF_ELEMENT) = max(largest_label(cards, 'ELEMENT', work%parts(p)%first, work%parts(p)%last), &
           largest_label(cards, 'ELEMENT', instance%first, instance%last))
+        n_nodes = n_nodes + instance%largest(OF_NODE)
+        n_elements = n_elements + instance%largest(OF_ELEMENT)
       end associate
     end do
     work%assembly%name = ''
@@ -474,17 +460,30 @@ contains
     if (text == '') return
     call parse_integer(text, number, status)
     if (status == NUMBER_OK) then
-      taken = to_text(number + scope%added(what))
+      taken = model_number(scope, number, what)
       return
     end if
     dot = index(text, '.', back=.true.)
     if (dot > 1) then
       i = find_instance(work, text(:dot - 1))
       call parse_integer(text(dot + 1:), number, status)
-      if (i > 0 .and. status == NUMBER_OK) taken = to_text(number + work%instances(i)%added(what))
+      if (i > 0 .and. status == NUMBER_OK) taken = model_number(work%instances(i), number, what)
     end if
     if (scope%name /= '') taken = scope%name // '.' // taken
   end function qualified_reference
+
+
+  !> A number of an instance in the model. One beyond its nodes or elements, which would be that of the next instance, becomes
+  !! INSTANCE.NUMBER, which no node or element has: the readers report it as written so.
+  function model_number(scope, number, what) result(text)
+    type(instance_type), intent(in) :: scope
+    integer, intent(in) :: number
+    integer, intent(in) :: what                  !< OF_NAME, ...
+    character(:), allocatable :: text
+    text = to_text(number + scope%added(what))
+    if (scope%name == '' .or. what == OF_NAME) return
+    if (number < 1 .or. number > scope%largest(what)) text = scope%name // '.' // to_text(number)
+  end function model_number
 
 
   !> What the first field of a data line of a card names.
@@ -606,17 +605,6 @@ contains
   end subroutine write_rows
 
 
-  !> Whether a card has a parameter.
-  logical function card_has_parameter(cards, c, name) result(is_given)
-    type(cards_type), intent(in) :: cards
-    integer, intent(in) :: c
-    character(*), intent(in) :: name
-    type(parameter_type), allocatable :: parameters(:)
-    call read_parameters(cards, cards%cards(c), parameters)
-    is_given = has_parameter(parameters, name)
-  end function card_has_parameter
-
-
   !> Transforms a point of a part to its position in the instance.
   pure function placed_point(scope, x) result(place)
     type(instance_type), intent(in) :: scope
@@ -685,7 +673,7 @@ contains
       if (is_first .and. i == 1) then
         text = text // to_text(label + scope%added(OF_ELEMENT))
       else
-        text = text // to_text(label + scope%added(OF_NODE))
+        text = text // model_number(scope, label, OF_NODE)
         if (n_left > 0) n_left = n_left - 1
       end if
     end do
@@ -694,7 +682,7 @@ contains
   end subroutine element_row
 
 
-  !> A row of numbers and names of sets; the increment of a range is unchanged.
+  !> A row of numbers and names of sets; the increment of a range is unchanged, and numbers beyond its instance are left out.
   function set_row(cards, work, row, scope, is_range, what) result(text)
     type(cards_type), intent(in) :: cards
     type(flattening_type), intent(in) :: work
@@ -703,11 +691,16 @@ contains
     logical, intent(in) :: is_range
     integer, intent(in) :: what                  !< OF_NAME, ...
     character(:), allocatable :: text
-    integer :: i
+    integer :: i, label, status
     text = ''
     do i = 1, row%n
       if (i > 1) text = text // ', '
-      text = text // qualified_reference(work, scope, field_text(cards, row, i), merge(OF_NAME, what, is_range .and. i == 3))
+      call field_integer(cards, row, i, label, status)
+      if (is_range .and. i == 2 .and. status == NUMBER_OK .and. scope%name /= '') then
+        text = text // model_number(scope, min(label, scope%largest(what)), what)
+      else
+        text = text // qualified_reference(work, scope, field_text(cards, row, i), merge(OF_NAME, what, is_range .and. i == 3))
+      end if
     end do
   end function set_row
 
