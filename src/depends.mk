@@ -80,6 +80,7 @@ uses_user_material = kinds errors tensor user_routines materials logarithmic_str
 uses_material_point = kinds tensor materials logarithmic_strain elasticity corotational_elasticity plasticity crystal_plasticity drucker_prager drucker_prager_cap hyperelasticity invariant_elasticity one_sided_elasticity principal_stress_cutoff linear_viscoplasticity viscoelasticity lode_angle_return user_material
 uses_element_integration_points = kinds tensor element_kinds materials user_material material_point
 uses_material_axes = kinds tensor materials
+uses_rubber_fit = kinds dense
 uses_zero_stress_condition = kinds tensor materials logarithmic_strain elasticity material_point element_integration_points
 
 # elements
@@ -126,8 +127,9 @@ uses_deck_property_tables = kinds text materials model cards card_schema deck_re
 uses_deck_cap = kinds text materials drucker_prager_cap deck_reader deck_property_tables
 uses_deck_elasticity = kinds text materials invariant_elasticity cards card_schema deck_reader deck_property_tables
 uses_deck_named_laws = kinds text materials model crystal_plasticity linear_viscoplasticity cards card_schema deck_reader deck_property_tables deck_elasticity
+uses_deck_test_data = kinds text materials model rubber_fit cards card_schema deck_reader
 uses_deck_viscoelasticity = kinds element_kinds materials model viscoelasticity cards card_schema deck_reader
-uses_deck_materials = kinds text user_routines materials model elasticity plasticity cards card_schema deck_reader deck_property_tables deck_cap deck_elasticity deck_named_laws deck_viscoelasticity
+uses_deck_materials = kinds text user_routines materials model elasticity plasticity cards card_schema deck_reader deck_property_tables deck_cap deck_elasticity deck_named_laws deck_test_data deck_viscoelasticity
 uses_deck_beams = kinds text element_kinds loads mesh structural_data model cards card_schema deck_reader deck_materials
 uses_deck_named_nodes = text containers element_kinds model cards card_schema element_drafts deck_reader
 uses_deck_transverse_shear = kinds text materials structural_data model elasticity equivalent_layers cards card_schema deck_reader deck_materials

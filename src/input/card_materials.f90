@@ -208,9 +208,20 @@ contains
       'LONG TERM|INSTANTANEOUS', default='LONG TERM')
     call table%option('MARLOW|VAN DER WAALS|USER|ANISOTROPIC|VALANIS-LANDEL', VALUE_TEXT, 'Use one of the others.', &
       status=ENTRY_REJECTED)
-    call table%option('TEST DATA INPUT|BETA|POISSON|PROPERTIES|TYPE', VALUE_TEXT, 'Give the constants.', &
-      status=ENTRY_REJECTED)
+    call table%option('TEST DATA INPUT', VALUE_NONE, 'Polynomials: the cards below give the constants, by least squares of ' // &
+      'relative errors. Abaqus dialect.')
+    call table%option('POISSON', VALUE_REAL, 'With TEST DATA INPUT: Poisson''s ratio at rest.', default='0.475')
+    call table%option('BETA|PROPERTIES|TYPE', VALUE_TEXT, 'Give the constants.', status=ENTRY_REJECTED)
     call describe_field_variables(table)
+    call table%card('UNIAXIAL TEST DATA', SCOPE_MODEL, 'Points of a test in one direction.', parent='MATERIAL', data= &
+      'nominal stress, nominal strain')
+    call table%option('SMOOTH', VALUE_TEXT, 'The points are taken as they are.', status=ENTRY_IGNORED)
+    call table%card('BIAXIAL TEST DATA', SCOPE_MODEL, 'Points of a test with equal stretches in two directions.', &
+      parent='MATERIAL', data='nominal stress, nominal strain')
+    call table%option('SMOOTH', VALUE_TEXT, 'The points are taken as they are.', status=ENTRY_IGNORED)
+    call table%card('PLANAR TEST DATA', SCOPE_MODEL, 'Points of a test in one direction, with the width held.', &
+      parent='MATERIAL', data='nominal stress, nominal strain')
+    call table%option('SMOOTH', VALUE_TEXT, 'The points are taken as they are.', status=ENTRY_IGNORED)
     call table%card('HYPERFOAM', SCOPE_MODEL, 'Compressible foam.', parent='MATERIAL', data= &
       'mu1, alpha1, mu2, alpha2, ..., nu1, nu2, ..., temperature; in lines of eight values')
     call table%option('N', VALUE_INTEGER, 'Order, 1 to 6.', default='1')

@@ -8,6 +8,7 @@ module amontons_deck_materials
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
   use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history, is_creep_by_name
   use amontons_deck_property_tables, only: read_table, read_curves
+  use amontons_deck_test_data, only: fit_hyperelastic, check_test_place
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name, &
     check_no_data
   use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
@@ -138,6 +139,8 @@ contains
       call read_creep(reader, c, material)
     case ('HYPERELASTIC')
       call read_hyperelastic(reader, c, material)
+    case ('UNIAXIALTESTDATA', 'BIAXIALTESTDATA', 'PLANARTESTDATA')
+      call check_test_place(reader, c)
     case ('HYPERFOAM')
       call read_hyperfoam(reader, c, material)
     case ('USERMATERIAL')
@@ -747,7 +750,7 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(property_table_type) :: given
-    integer :: order, n_given, i, k
+    integer :: order, i
     integer, allocatable :: place(:)
     logical :: is_ok
     call open_card(reader, c, parameters, row)
@@ -772,15 +775,18 @@ contains
       place = [(i, i=1, order * (order + 3) / 2 + order)]
     end if
     material%hyper_order = order
-    n_given = size(place)
-    call read_table(reader, c, n_given, given, is_ok)
-    if (.not. is_ok) return
-    k = maxval(place)
-    material%elastic%temperature = given%temperature
-    material%elastic%variable = given%variable
-    allocate (material%elastic%value(k, size(given%temperature)), source=0.0_DP)
-    material%elastic%value(place, :) = given%value
-    do i = 1, size(given%temperature)
+    if (has_parameter(parameters, 'TEST DATA INPUT')) then
+      call fit_hyperelastic(reader, c, place, material, is_ok)
+      if (.not. is_ok) return
+    else
+      call read_table(reader, c, size(place), given, is_ok)
+      if (.not. is_ok) return
+      material%elastic%temperature = given%temperature
+      material%elastic%variable = given%variable
+      allocate (material%elastic%value(maxval(place), size(given%temperature)), source=0.0_DP)
+      material%elastic%value(place, :) = given%value
+    end if
+    do i = 1, size(material%elastic%temperature)
       call complete_hyperelastic(reader, c, material%hyper_kind, order, material%elastic%value(:, i))
     end do
   end subroutine read_hyperelastic

@@ -5,7 +5,9 @@ SPDX-License-Identifier: GPL-3.0-or-later
 
 from __future__ import annotations
 
+import subprocess
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +19,7 @@ from verify.cases.proof import Case, observed_order
 from verify.decks import make_decks
 from verify.decks.make_decks import Mesh, grid_elements
 from verify.decks.sheets import Floats, between, step
-from verify.decks.solids import as_kind, node_set, prescribed
+from verify.decks.solids import as_kind, node_set, prescribed, unit_cube
 
 Proof = Callable[..., Case]
 Energy = Callable[[np.ndarray], complex]
@@ -319,3 +321,30 @@ def incompressible_pressure(radii: tuple[float, float], bore: float) -> float:
     r = np.linspace(bore, np.sqrt(radii[1] ** 2 - radii[0] ** 2 + bore**2), 20001)
     square = r**2 / (r**2 - bore**2 + radii[0] ** 2)
     return float(np.trapezoid(200 * (square - 1 / square) / r, r))
+
+
+@pytest.mark.parametrize("kind", ["NEO HOOKE", "MOONEY-RIVLIN", "YEOH", "POLYNOMIAL, N=2"])
+def test_constants_from_tests(run_deck: Callable[..., subprocess.CompletedProcess[str]], tmp_path: Path, kind: str) -> None:
+    """Points of a law in all three tests give a stretched cube the stress of the law: slopes of the energy, by complex steps."""
+    c = {"NEO HOOKE": {(1, 0): 0.5}, "MOONEY-RIVLIN": {(1, 0): 0.4, (0, 1): 0.1}, "YEOH": {(1, 0): 0.5, (2, 0): -0.02, (3, 0): 0.004},
+         "POLYNOMIAL, N=2": {(1, 0): 0.4, (0, 1): 0.1, (2, 0): 0.02, (1, 1): -0.003, (0, 2): 0.001}}[kind]
+    d = 3 * (1 - 2 * 0.48) / (2 * (c[1, 0] + c.get((0, 1), 0.0)) * 1.48)
+    ways = {"UNIAXIAL": lambda x: [x, x**-0.5, x**-0.5], "BIAXIAL": lambda x: [x, x, x**-2], "PLANAR": lambda x: [x, 1, 1 / x]}
+    cards = f"*HYPERELASTIC, {kind}, TEST DATA INPUT, POISSON=0.48\n"
+    for name, way in ways.items():
+        cards += f"*{name} TEST DATA\n"
+        for x in (0.7, 0.9, 1.2, 1.6, 2.1):
+            slope = polynomial(c, [])(np.array(way(x + 1e-30j))).imag / 1e-30
+            cards += f"{slope / (2 if name == 'BIAXIAL' else 1):.15g}, {x - 1:.15g}\n"
+    order = {"NEO HOOKE": 1, "MOONEY-RIVLIN": 1, "YEOH": 3, "POLYNOMIAL, N=2": 2}[kind]
+    named = {"NEO HOOKE": [(1, 0)], "YEOH": [(1, 0), (2, 0), (3, 0)]}.get(kind, [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2)][: 2 if order == 1 else 5])
+    given = f"*HYPERELASTIC, {kind}\n" + ", ".join(f"{v:.15g}" for v in [*(c[key] for key in named), d, *[0.0] * (order - 1)]) + "\n"
+    model = f"{unit_cube()}*SOLID SECTION, ELSET=E, MATERIAL=M\n*MATERIAL, NAME=M\n"
+    load = "*BOUNDARY\nLOW, 3\n1, 1, 2\n2, 2\n4, 1\n*STEP, NLGEOM\n*STATIC\n0.25, 1.\n*BOUNDARY\nHIGH, 3, 3, 0.8\n*NODE PRINT, NSET=HIGH\nU, RF\n*END STEP\n"
+    printed = []
+    for law in (cards, given):
+        done = run_deck(model + law + load)
+        assert done.returncode == 0, done.stdout
+        assert ("with 0 % as the largest error" in " ".join(done.stdout.split())) == (law == cards)
+        printed.append([[float(v) for v in row.split()] for row in (tmp_path / "job.dat").read_text().splitlines() if row.split()[:1] and row.split()[0] in "5678"])
+    assert np.abs(np.array(printed[0]) - np.array(printed[1])).max() < 2e-6
