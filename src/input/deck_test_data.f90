@@ -25,8 +25,8 @@ contains
   end function hyperelastic_powers
 
 
-  !> HYPERELASTIC, TEST DATA INPUT: the constants C of a polynomial that fit the test data best, and D1 from POISSON; the rest is 0. A
-  !! note says what they are and how well they fit.
+  !> HYPERELASTIC, TEST DATA INPUT: the constants C of a polynomial that fit the test data best, and D1 from POISSON; the rest
+  !! is 0. A note says what they are and how well they fit.
   subroutine fit_hyperelastic(reader, c, place, material, is_ok)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                         !< index of the card HYPERELASTIC
