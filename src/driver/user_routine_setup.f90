@@ -207,7 +207,6 @@ contains
         '*USER DEFINED FIELD', error)
     end do
     if (allocated(error)) return
-    if (allocated(error)) return
     if (any(model%amplitudes%is_user)) call check_routine(model%routines, path, ROUTINE_UAMP, '*AMPLITUDE, DEFINITION=USER', error)
     do i = 1, size(model%steps)
       if (allocated(error)) return

@@ -25,7 +25,7 @@ PLAIN = {"HEADING", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SURFACE 
          "PLASTIC DATA", "RESTART", "TIE", "COUPLING", "KINEMATIC", "DISTRIBUTING", "PRE-TENSION SECTION", "SECTION PRINT", "TIME POINTS", "MPC",
          "DISTRIBUTING COUPLING", "KINEMATIC COUPLING", "CHANGE SOLID SECTION", "CHANGE MATERIAL", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY",
          "END INSTANCE", "NO ANALYSIS", "CLEARANCE", "NFILL", "ELGEN", "ELCOPY", "DISTRIBUTION", "MONITOR", "PRINT", "ENERGY PRINT", "SOLVER CONTROLS",
-         "SYSTEM", "CONTACT CONTROLS", "SECTION CONTROLS", "EL OUTPUT", "ENERGY FILE", "ENERGY OUTPUT"}  # fmt: skip
+         "SYSTEM", "CONTACT CONTROLS", "SECTION CONTROLS", "EL OUTPUT", "ENERGY FILE", "ENERGY OUTPUT", "SHELL TO SOLID COUPLING"}  # fmt: skip
 #: Kinds of rubber to their constants; N their order.
 RUBBER = {"NEOHOOKE": "SZ1", "MOONEY": "SSZ1", "YEOH": "SSSZZZ1", "ARRUDA": "S1Z1",
           **{f"OGDEN.*,N={n}": n * "S1" + n * "Z" + "1" for n in range(1, 7)}, "OGDEN": "S1Z1",
@@ -41,6 +41,7 @@ UNITS = {
     "TRANSFORM": {"TYPE=C": "L", "": "1"}, "ORIENTATION": {"SYSTEM=C": "L", "": "1"}, "CYCLIC SYMMETRY MODEL": "L",
     "ELASTIC": {"ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "LAMINA": "SS1SSS1", "": "S1"},
     "HYPERELASTIC": RUBBER, "HYPERFOAM": {**{f",N={n}": n * "S1" + n * "1" + "1" for n in range(1, 7)}, "": "S111"},
+    "UNIAXIAL TEST DATA": "S1", "BIAXIAL TEST DATA": "S1", "PLANAR TEST DATA": "S1",
     "DENSITY": "R1", "PLASTIC": "S1", "CHANGE PLASTIC": "S1", "DRUCKER PRAGER": "1", "DRUCKER PRAGER HARDENING": "S1",
     "MOHR COULOMB": "1", "MOHR COULOMB HARDENING": "S1", "CAP PLASTICITY": "S1", "CAP HARDENING": "S1", "VISCOELASTIC": "1",
     "CYCLIC HARDENING": "S1", "DEFORMATION PLASTICITY": "S1S1", "CREEP": "C1",
@@ -57,12 +58,14 @@ UNITS = {
 #: Defaults that are numbers without a unit: thickness and area, stiffness and force of a gap.
 DEFAULTS = {"SOLID SECTION": "1.", "GAP": "0., , , , , 1e12, 1e-3"}
 #: Parameters that have a unit.
-PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEARANCE": "L"}, "TIE": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},
+PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEARANCE": "L"}, "TIE": {"POSITION TOLERANCE": "L"},
+              "SHELL TO SOLID COUPLING": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},
               "STATIC": {"FACTOR": "D"}, "VISCO": {"FACTOR": "D"}, "SURFACE": {"FILLET RADIUS": "L"}, "AMPLITUDE": {"SHIFTY": "X"}}  # fmt: skip
 #: What a routine of the user or another job says has unknown units.
 REFUSED = {"SURFACE INTERACTION": ",USER", "FRICTION": ",USER", "AMPLITUDE": "DEFINITION=USER", "BOUNDARY": ",USER", "RESTART": ",READ", "NODE": ",INPUT="}
 #: Cards that belong to the card before them.
-DATA_CARDS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING"}
+DATA_CARDS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING",
+              "UNIAXIAL TEST DATA", "BIAXIAL TEST DATA", "PLANAR TEST DATA"}
 #: Cards whose data lines begin with a node, all of whose numbers are nodes, or which hold them behind a label.
 NODE_FIRST, NODES_ONLY = {"NODE", "BOUNDARY", "CLOAD", "TEMPERATURE", "INITIAL CONDITIONS"}, {"NSET"}
 MODEL_END = "*STEP"
