@@ -23,12 +23,9 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(tie_type) :: common
-    call open_card(reader, c, parameters, row)
-    common%name = parameter_text(parameters, 'NAME')
-    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    call open_tie(reader, c, 'NAME', parameters, row, common)
     common%is_cyclic = has_parameter(parameters, 'CYCLIC SYMMETRY')
     common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
-    call read_tolerance(reader, c, parameters, common)
     call add_ties(reader, model, c, row, common, '*TIE needs a data line: slave surface, master surface.')
   end subroutine read_tie
 
@@ -46,27 +43,29 @@ contains
         'as the slave surface, or the abaqus dialect.')
       return
     end if
-    call open_card(reader, c, parameters, row)
-    common%name = parameter_text(parameters, 'CONSTRAINT NAME')
-    common%line = reader%cards%line_number(reader%cards%cards(c)%line)
+    call open_tie(reader, c, 'CONSTRAINT NAME', parameters, row, common)
     common%is_shell_edge = .true.
-    call read_tolerance(reader, c, parameters, common)
     call add_ties(reader, model, c, row, common, '*SHELL TO SOLID COUPLING needs a data line: edges of shells, faces of solids.')
   end subroutine read_shell_coupling
 
 
-  !> POSITION TOLERANCE.
-  subroutine read_tolerance(reader, c, parameters, tie)
+  !> Name, line and POSITION TOLERANCE of a card with ties.
+  subroutine open_tie(reader, c, name_parameter, parameters, row, tie)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
-    type(parameter_type), intent(in) :: parameters(:)
+    character(*), intent(in) :: name_parameter   !< that names the ties
+    type(parameter_type), allocatable, intent(out) :: parameters(:)
+    type(data_row_type), intent(out) :: row
     type(tie_type), intent(inout) :: tie
     integer :: status
+    call open_card(reader, c, parameters, row)
+    tie%name = parameter_text(parameters, name_parameter)
+    tie%line = reader%cards%line_number(reader%cards%cards(c)%line)
     if (.not. has_parameter(parameters, 'POSITION TOLERANCE')) return
     call parse_real(parameter_text(parameters, 'POSITION TOLERANCE'), tie%tolerance, status)
     if (status == NUMBER_OK .and. tie%tolerance < 0.0_DP) call report_error(reader, reader%cards%cards(c)%line, &
       'POSITION TOLERANCE must not be negative.')
-  end subroutine read_tolerance
+  end subroutine open_tie
 
 
   !> CONTACT PAIR, TIED: the slave nodes that ADJUST moves onto the master are tied to it.
