@@ -1,6 +1,8 @@
-!> Root of one ascending function by Newton's method, with bisection where a step leaves the bracket (e.g. W. H. Press et al.,
-!! Numerical Recipes, 3rd ed., Cambridge 2007, section 9.4). The return mappings of plasticity and creep are such equations.
+!> Root of one ascending function by Newton's method with bisection. The return mappings of plasticity and creep are such equations.
 !! SPDX-License-Identifier: GPL-3.0-or-later
+!!
+!! Bisection where a step leaves the bracket or is more than half of the last but one (e.g. W. H. Press et al., Numerical Recipes,
+!! 3rd ed., Cambridge 2007, section 9.4).
 module amontons_scalar_root
   use amontons_kinds, only: DP
   implicit none
@@ -17,6 +19,7 @@ module amontons_scalar_root
     real(DP) :: high = huge(1.0_DP)                !< f >= 0 there; huge: not known yet
     real(DP) :: scale = 0                          !< least size of x that counts; 0: that of the root itself
     logical :: is_found = .false.                  !< x is the root to rounding
+    real(DP) :: last_steps(2) = huge(1.0_DP)       !< sizes of the last but one step and of the last one
   end type root_search_type
 
 contains
@@ -27,12 +30,15 @@ contains
     real(DP), intent(in) :: f                      !< at x
     real(DP), intent(in) :: df                     !< its slope there, above 0
     real(DP) :: step
+    logical :: is_slow
     if (f >= 0) search%high = search%x
     if (f <= 0) search%low = search%x
     step = -f / df
-    if (.not. (search%x + step >= search%low .and. search%x + step <= search%high)) &
+    is_slow = search%high < huge(1.0_DP) .and. abs(step) > 0.5_DP * search%last_steps(1)
+    if (is_slow .or. .not. (search%x + step >= search%low .and. search%x + step <= search%high)) &
       step = 0.5_DP * (search%low + search%high) - search%x
     search%x = search%x + step
+    search%last_steps = [search%last_steps(2), abs(step)]
     search%is_found = min(abs(step), search%high - search%low) <= TOL_ROOT * max(abs(search%x), search%scale)
   end subroutine improve_root
 

@@ -9,7 +9,8 @@
 module amontons_plastic_solid_simd
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP
-  use amontons_materials, only: material_type, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, CREEP_NONE, HISTORY_PEEQ, HISTORY_INELASTIC
+  use amontons_materials, only: material_type, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, CREEP_NONE, RATE_NONE, HISTORY_PEEQ, &
+    HISTORY_INELASTIC
   use amontons_plasticity, only: return_mapping_type, return_to_curve, RETURN_OK
   use amontons_logarithmic_strain, only: tensor_log
   use amontons_material_point, only: SQRT_3_2
@@ -52,7 +53,8 @@ contains
     if (.not. is_kind) return
     is_kind = size(material%isotropic_hardening) == 1 .and. material%elastic_kind == ELASTIC_ISOTROPIC .and. .not. &
       (allocated(material%kinematic_hardening) .or. allocated(material%expansion%value) .or. allocated(material%cone%value) .or. &
-      material%creep_law /= CREEP_NONE .or. material%has_deformation_plasticity .or. material%is_user .or. material%is_user_field)
+      material%creep_law /= CREEP_NONE .or. material%rate_law /= RATE_NONE .or. material%has_deformation_plasticity .or. &
+      material%is_user .or. material%is_user_field)
     if (is_kind .and. allocated(material%elastic%value)) is_kind = size(material%elastic%value, 2) == 1
   end function is_plastic_batch_kind
 

@@ -15,7 +15,7 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%card('MATERIAL', SCOPE_MODEL, 'Starts a material; the cards of its properties follow.')
     call table%option('NAME', VALUE_NAME, 'Name of the material.', default='required')
-    call table%option('SRATE FACTOR|RTOL', VALUE_TEXT, 'Only rates of strain use it.', status=ENTRY_IGNORED)
+    call table%option('SRATE FACTOR|RTOL', VALUE_TEXT, 'It smooths tables of rates in Abaqus/Explicit.', status=ENTRY_IGNORED)
     call describe_elastic(table)
     call table%card('DENSITY', SCOPE_MODEL, 'Mass density, needed by gravity.', parent='MATERIAL', data= &
       'density, temperature')
@@ -91,8 +91,17 @@ contains
       default='HALF CYCLE')
     call table%reject_words('PARAMETERS|STABILIZED', 'Give the curve of a half cycle.')
     call table%option('NUMBER BACKSTRESSES', VALUE_TEXT, 'The curve is followed piece by piece.', status=ENTRY_IGNORED)
-    call table%option('RATE|EXTRAPOLATION|PROPERTIES', VALUE_TEXT, 'Only constant stress beyond the last point.', &
+    call table%option('RATE', VALUE_REAL, 'Abaqus dialect, HARDENING=ISOTROPIC: the rate of the equivalent plastic strain at ' // &
+      'which the curve holds, in 1/time. Several cards give several rates; linear between them, constant outside.', default='0')
+    call table%option('EXTRAPOLATION|PROPERTIES', VALUE_TEXT, 'Only constant stress beyond the last point.', &
       status=ENTRY_REJECTED)
+    call describe_field_variables(table)
+    call table%card('RATE DEPENDENT', SCOPE_MODEL, 'The yield stress of PLASTIC rises with the rate of the equivalent plastic ' // &
+      'strain by a ratio R, in all steps. Abaqus dialect.', parent='MATERIAL', data='POWER LAW: D, n, temperature; YIELD ' // &
+      'RATIO: R, rate, temperature; a line for each rate')
+    call table%option('TYPE', VALUE_WORD, 'POWER LAW: rate D (R - 1)^n; YIELD RATIO: R over the rate, linear between the ' // &
+      'points, constant outside.', allowed='POWER LAW|YIELD RATIO', default='POWER LAW')
+    call table%reject_words('JOHNSON COOK|USER', 'Give POWER LAW or YIELD RATIO.')
     call describe_field_variables(table)
     call table%card('CYCLIC HARDENING', SCOPE_MODEL, 'Size of the yield surface of PLASTIC, HARDENING=COMBINED.', &
       parent='MATERIAL', data='yield stress, equivalent plastic strain (the first 0), temperature')

@@ -819,8 +819,6 @@ contains
       'those of the temperature of the job in *VISCOELASTIC.')
     call table%cards_with(ENTRY_REJECTED, 'TENSION CUTOFF', 'Give the law by a routine UMAT (*USER MATERIAL), whose DDSDDE ' // &
       'need not be symmetric.')
-    call table%cards_with(ENTRY_REJECTED, 'RATE DEPENDENT', 'Rates of strain count in *VISCO steps alone: give *CREEP, or a ' // &
-      'routine UMAT (*USER MATERIAL), which receives the length of the increment.')
     call table%cards_with(ENTRY_REJECTED, 'USER SECTION', &
       'Of the user subroutines there are UMAT, UEL, USDFLD, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &

@@ -8,6 +8,7 @@ module amontons_deck_materials
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
   use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history, is_creep_by_name
   use amontons_deck_property_tables, only: read_table, read_curves
+  use amontons_deck_rate_dependence, only: read_rate_dependent, read_isotropic_plastic, complete_rate_dependence
   use amontons_deck_test_data, only: fit_hyperelastic, check_test_place
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name, &
     check_no_data
@@ -116,6 +117,8 @@ contains
     case ('PLASTIC')
       material%has_plastic = .true.
       call read_plastic(reader, c, material)
+    case ('RATEDEPENDENT')
+      call read_rate_dependent(reader, c, material)
     case ('CYCLICHARDENING')
       material%has_plastic = .true.
       call read_curves(reader, c, material%isotropic_hardening)
@@ -328,6 +331,7 @@ contains
     call find_table_variable(reader, line, material)
     call check_cone(reader, line, material)
     call complete_viscoelastic(reader, line, material)
+    call complete_rate_dependence(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
     is_nonlinear = material%has_deformation_plasticity .or. material%is_corotational .or. .not. is_linear_elastic(material)
     if (material%cutoff_sign /= 0 .and. (is_nonlinear .or. has_yield .or. material%creep_law /= CREEP_NONE .or. allocated( &
@@ -358,6 +362,7 @@ contains
     integer, intent(in) :: line                  !< of the MATERIAL card
     type(material_type), intent(inout) :: material
     integer, allocatable :: variables(:)
+    integer :: i
     allocate (variables(0))
     call add_table(material%elastic)
     call add_table(material%expansion)
@@ -365,6 +370,13 @@ contains
     call add_table(material%creep)
     call add_table(material%cone)
     call add_table(material%inelastic)
+    call add_table(material%rate_power)
+    if (allocated(material%rate_ratio)) call add_curves(material%rate_ratio)
+    if (allocated(material%rate_curves)) then
+      do i = 1, size(material%rate_curves)
+        call add_curves(material%rate_curves(i)%curves)
+      end do
+    end if
     if (allocated(material%isotropic_hardening)) call add_curves(material%isotropic_hardening)
     if (allocated(material%kinematic_hardening)) call add_curves(material%kinematic_hardening)
     if (material%density_table%variable > 0) call report_error(reader, line, 'The material ''' // material%name // &
@@ -543,9 +555,11 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     call open_card(reader, c, parameters, row)
     if (parameter_word(parameters, 'HARDENING', 'ISOTROPIC') == 'ISOTROPIC') then
-      call read_curves(reader, c, material%isotropic_hardening)
+      call read_isotropic_plastic(reader, c, material)
     else
       call read_curves(reader, c, material%kinematic_hardening)
+      if (has_parameter(parameters, 'RATE')) call report_error(reader, reader%cards%cards(c)%line, &
+        'RATE goes with HARDENING=ISOTROPIC alone: kinematic hardening over the rate is not supported.')
     end if
   end subroutine read_plastic
 

@@ -10,7 +10,7 @@ module amontons_deck_named_laws
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, is_card
   use amontons_linear_viscoplasticity, only: N_LINEAR_STATE
   use amontons_materials, only: material_type, property_table_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, &
-    INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR, CREEP_NONE, CREEP_TIME_HARDENING, &
+    INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR, CREEP_NONE, CREEP_TIME_HARDENING, RATE_NONE, &
     USER_STATE
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: upper_case, to_text, parse_integer, NUMBER_OK
@@ -153,7 +153,7 @@ contains
 
 
   !> Refuses steps in which a law is not meant: UNDO_NLGEOM_LIN_ISO_EL without NLGEOM, where CalculiX takes another strain (forces
-  !! differ by a tenth at 20 per cent), and crystals in RIKS, whose times are lengths of its arc.
+  !! differ by a tenth at 20 per cent), and laws of rates in RIKS, whose times are lengths of its arc.
   subroutine check_steps_of_law(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(in) :: model
@@ -167,6 +167,8 @@ contains
             if (.not. step%is_nlgeom .and. material%is_corotational .and. law_of_name(material%name, NAMES) == ISOTROPIC_STRETCH) &
               call report_error(reader, reader%cards%cards(c)%line, 'The law of the material ''' // material%name // &
               ''' is for steps with NLGEOM alone. Give *STEP, NLGEOM, or the name LIN_EL_COROT, or *ELASTIC.')
+            if (step%is_riks .and. material%rate_law /= RATE_NONE) call report_error(reader, reader%cards%cards(c)%line, &
+              'The material ''' // material%name // ''' yields at a rate, and a RIKS step has no time. Give *STATIC without RIKS.')
             if (step%is_riks .and. any(material%inelastic_law == [INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP])) &
               call report_error(reader, reader%cards%cards(c)%line, 'The crystal ''' // material%name // ''' slips at a rate, ' // &
               'and a RIKS step has no time. Give *STATIC without RIKS.')

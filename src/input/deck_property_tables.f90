@@ -138,11 +138,14 @@ contains
   end subroutine add_record
 
 
-  !> Yield stress over plastic strain, at one or more temperatures.
-  subroutine read_curves(reader, c, curves)
+  !> Yield stress over plastic strain, at one or more temperatures; or two other quantities, the first constant below the first
+  !! value of the second.
+  subroutine read_curves(reader, c, curves, names)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c
     type(hardening_curve_type), allocatable, intent(inout) :: curves(:)
+    character(*), intent(in), optional :: names(2)   !< of the two in messages
+    character(:), allocatable :: ordinate, abscissa
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     type(hardening_curve_type) :: curve
@@ -150,6 +153,10 @@ contains
     real(DP), allocatable :: arguments(:), before(:)
     integer :: i, n
     logical :: is_ok
+    ordinate = 'yield stress'
+    abscissa = 'plastic strain'
+    if (present(names)) ordinate = trim(names(1))
+    if (present(names)) abscissa = trim(names(2))
     if (allocated(curves)) deallocate (curves)
     allocate (curves(0), curve%strain(0), curve%stress(0))
     is_ok = .true.
@@ -158,8 +165,8 @@ contains
     allocate (arguments(1 + n))
     do while (next_row(reader%cards, row))
       call check_n_fields(reader, row, 3 + n)
-      call read_real(reader, row, 1, 'yield stress', values(1), is_ok)
-      call read_real(reader, row, 2, 'plastic strain', values(2), is_ok, 0.0_DP)
+      call read_real(reader, row, 1, ordinate, values(1), is_ok)
+      call read_real(reader, row, 2, abscissa, values(2), is_ok, 0.0_DP)
       do i = 1, 1 + n
         call read_real(reader, row, 2 + i, 'temperature', arguments(i), is_ok, 0.0_DP)
       end do
@@ -179,7 +186,7 @@ contains
     end do
     if (size(curve%strain) > 0) call close_curve()
     if (size(curves) == 0) call report_error(reader, reader%cards%cards(c)%line, &
-      'A hardening curve needs data: yield stress, equivalent plastic strain, temperature.')
+      'A hardening curve needs data: ' // ordinate // ', equivalent ' // abscissa // ', temperature.')
     do i = 2, size(curves)
       if (curves(i)%temperature <= curves(i - 1)%temperature) call report_error(reader, reader%cards%cards(c)%line, &
         'The temperatures of the hardening curves must ascend.')
@@ -190,18 +197,21 @@ contains
     !> Stores the curve of one temperature.
     subroutine close_curve()
       integer :: k
-      if (any(curve%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'A yield stress must be positive.')
-      if (reader%dialect == DIALECT_CALCULIX .and. curve%strain(1) > 0) then
+      if (any(curve%stress <= 0)) call report_error(reader, reader%cards%cards(c)%line, 'A ' // ordinate // ' must be positive.')
+      if (present(names) .and. curve%strain(1) > 0) then
+        curve%strain = [0.0_DP, curve%strain]
+        curve%stress = [curve%stress(1), curve%stress]
+      else if (reader%dialect == DIALECT_CALCULIX .and. curve%strain(1) > 0) then
         call report_note(reader, reader%cards%cards(c)%line, 'The hardening curve begins at the plastic strain ' // &
           to_text(curve%strain(1)) // ': below, its first yield stress is constant, as in CalculiX.')
         curve%strain = [0.0_DP, curve%strain]
         curve%stress = [curve%stress(1), curve%stress]
       end if
       if (abs(curve%strain(1)) > 0) call report_error(reader, reader%cards%cards(c)%line, &
-        'The plastic strain of the first point of a hardening curve must be 0.')
+        'The ' // abscissa // ' of the first point of a hardening curve must be 0.')
       k = size(curve%strain)
       if (any(curve%strain(2:) <= curve%strain(:k - 1))) call report_error(reader, reader%cards%cards(c)%line, &
-        'The plastic strains of a hardening curve must ascend.')
+        'The ' // abscissa // 's of a hardening curve must ascend.')
       curves = [curves, curve]
       deallocate (curve%strain, curve%stress)
       allocate (curve%strain(0), curve%stress(0))

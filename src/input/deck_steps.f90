@@ -805,6 +805,11 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     logical :: is_moving
     if (copy == 0) return                        ! reported with CHANGE MATERIAL, or for the position of the card
+    if (allocated(model%materials(copy)%rate_curves)) then
+      call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // model%materials(copy)%name // ''' has *PLASTIC, ' &
+        // 'RATE, whose curves cannot be changed; give another material by *CHANGE SOLID SECTION.')
+      return
+    end if
     call open_card(reader, c, parameters, row)
     is_moving = parameter_word(parameters, 'HARDENING', 'ISOTROPIC') /= 'ISOTROPIC'
     associate (material => model%materials(copy))

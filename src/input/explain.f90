@@ -10,7 +10,8 @@ module amontons_explain
   use amontons_deck_reader, only: reader_type
   use amontons_loads, only: DISTRIBUTED_PRESSURE, DISTRIBUTED_TRACTION
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, &
-    ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, LAW_SAINT_VENANT, law_name
+    ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, LAW_SAINT_VENANT, &
+    RATE_NONE, law_name
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_surfaces, only: interaction_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, &
     ROUGH_FRICTION, NO_SHEAR_LIMIT
@@ -261,6 +262,7 @@ contains
           ' from ' // to_text(material%expansion_reference)
         if (allocated(material%isotropic_hardening)) text = text // '; first yield stress ' &
           // to_text(material%isotropic_hardening(1)%stress(1))
+        if (material%rate_law /= RATE_NONE) text = text // '; it depends on the rate of plastic strain'
         if (allocated(material%kinematic_hardening)) text = text // '; kinematic hardening from ' // &
           to_text(material%kinematic_hardening(1)%stress(1))
         if (allocated(material%creep%value)) text = text // '; creep A ' // to_text(material%creep%value(1, 1)) // ', n ' // &

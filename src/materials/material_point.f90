@@ -36,8 +36,7 @@ module amontons_material_point
   use amontons_viscoelasticity, only: viscoelastic_stress, relax_finite_stress
   use amontons_lode_angle_return, only: principal_return_type, map_principal_return
   use amontons_elasticity, only: hooke_stress, lame_constants, isotropic_tangent, isochoric_tangent, elasticity_matrix, &
-    deviator, green_strain, green_strain_of_stretch, almansi_strain, &
-    check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
+    deviator, green_strain, green_strain_of_stretch, almansi_strain, check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, &
     pack_voigt, push_forward, unpack_voigt, von_mises
   use amontons_user_material, only: umat_point_type, evaluate_umat, transverse_energy
@@ -431,11 +430,12 @@ contains
   end subroutine map_return
 
 
-  !> The times of creep: end and length of the increment, start of the mean of time hardening [time].
+  !> The times of creep and of rates: end and length of the increment, start of the mean of time hardening, elapsed time [time].
   pure function creep_times(point) result(times)
     type(material_point_type), intent(in) :: point
-    real(DP) :: times(3)
-    times = [point%time, point%time_increment, point%time - merge(0.0_DP, point%time_increment, point%is_rate_at_end)]
+    real(DP) :: times(4)
+    times = [point%time, point%time_increment, point%time - merge(0.0_DP, point%time_increment, point%is_rate_at_end), &
+      point%elapsed_time]
   end function creep_times
 
 

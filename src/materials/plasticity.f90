@@ -9,8 +9,8 @@ module amontons_plasticity
   use amontons_kinds, only: DP
   use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS, TOL_ROOT
   use amontons_materials, only: material_type, hardening_curve_type, evaluate_curves, evaluate_table, CREEP_NONE, &
-    CREEP_TIME_HARDENING, &
-    LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
+    CREEP_TIME_HARDENING, RATE_NONE, LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
+  use amontons_rate_dependent_yield, only: yield_point_type, evaluate_rate_yield, estimate_rate_flow
   implicit none
   private
   public :: return_mapping_type, anisotropic_return_type, map_radial_return, return_to_curve, is_inelastic, &
@@ -49,12 +49,14 @@ module amontons_plasticity
     real(DP) :: G, q_trial, temperature, time, dt, p_old, c_old, back_old
     real(DP) :: mean_start                         !< of the mean of time hardening, which ends with the increment [time]
     real(DP) :: creep(3)                           !< A, n, m
+    real(DP) :: elapsed                            !< time that rates of plastic strain count by [time]
   end type return_problem_type
 
-  !> The yield condition evaluated at a plastic increment.
+  !> The yield condition evaluated at its unknown: the plastic increment, or that of a rate law.
   type :: yield_residual_type
     real(DP) :: f = 0, df = 0                      !< residual of the yield condition and its slope [stress]
     real(DP) :: back_increment = 0                           !< growth of the back stress in tension [stress]
+    real(DP) :: p = 0, dp = 0                      !< plastic increment and its slope [-]
     real(DP) :: c = 0, dc = 0                      !< creep increment and its slope [-]
   end type yield_residual_type
 
@@ -81,39 +83,52 @@ contains
     real(DP), intent(in) :: G                      !< shear modulus [stress]
     real(DP), intent(in) :: q_trial                !< von Mises stress of trial deviator less back stress [stress]
     real(DP), intent(in) :: temperature            !< [temperature]
-    real(DP), intent(in) :: times(3)               !< end and length of the increment, start of the mean of time hardening [time]
+    real(DP), intent(in) :: times(4)               !< end and length of the increment of creep, start of the mean of time
+                                                   !! hardening, length of the increment for rates of plastic strain [time]
     real(DP), intent(in) :: history_old(MAX_HISTORY)      !< committed
     type(return_mapping_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
     type(return_problem_type) :: problem
-    real(DP) :: yield, slope
+    real(DP) :: slope
     if (has_one_curve(material)) then
       call return_to_curve(material%isotropic_hardening(1), G, q_trial, history_old(HISTORY_PEEQ), solution, status)
       return
     end if
     status = RETURN_OK
     problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), mean_start=times(3), &
-      p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
+      p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0, elapsed=times(4))
     if (material%creep_law /= CREEP_NONE) call evaluate_table(material%creep, temperature, problem%creep)
     if (allocated(material%kinematic_hardening)) call evaluate_curves(material%kinematic_hardening, temperature, problem%p_old, &
       problem%back_old, slope)
     if (material%creep_law /= CREEP_NONE .and. times(2) > 0 .and. q_trial > 0) &
       call solve_creep(material, problem, solution, status)
     solution%flow = solution%creep
-    if (status /= RETURN_OK .or. .not. (allocated(material%isotropic_hardening) &
-      .or. allocated(material%kinematic_hardening))) return
-    call evaluate_yield_stress(material, problem, 0.0_DP, yield, slope)
-    if (q_trial - 3 * G * solution%creep <= yield * (1 + TOL_YIELD)) return
+    if (status /= RETURN_OK) return
+    if (.not. yields(material, problem, q_trial - 3 * G * solution%creep)) return
     call solve_plasticity_and_creep(material, problem, solution, status)
     solution%flow = solution%plastic + solution%creep
   end subroutine map_radial_return
+
+
+  !> Whether a stress before plastic flow is above the yield stress. A rate law has no flow without time.
+  pure logical function yields(material, problem, q)
+    type(material_type), intent(in) :: material
+    type(return_problem_type), intent(in) :: problem
+    real(DP), intent(in) :: q                      !< von Mises stress less back stress [stress]
+    type(yield_point_type) :: at
+    yields = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
+    if (material%rate_law /= RATE_NONE) yields = yields .and. problem%elapsed > 0
+    if (.not. yields) return
+    call evaluate_yield_stress(material, problem, 0.0_DP, at)
+    yields = q > at%yield * (1 + TOL_YIELD)
+  end function yields
 
 
   !> Whether the only inelasticity of a material is isotropic hardening by one curve.
   pure logical function has_one_curve(material)
     type(material_type), intent(in) :: material
     has_one_curve = allocated(material%isotropic_hardening) .and. .not. allocated(material%kinematic_hardening) .and. &
-      material%creep_law == CREEP_NONE
+      material%creep_law == CREEP_NONE .and. material%rate_law == RATE_NONE
     if (has_one_curve) has_one_curve = size(material%isotropic_hardening) == 1
   end function has_one_curve
 
@@ -181,7 +196,8 @@ contains
 
 
   !> Yielding, with creep at the stress on the yield surface:
-  !! f(p) = q_trial - 3 G (p + c(p)) - y(p) - k(p) = 0, f descending, bracketed by 0 and q_trial/(3 G).
+  !! f(p) = q_trial - 3 G (p + c(p)) - y(p) - k(p) = 0, f descending, bracketed by 0 and q_trial/(3 G). Rate laws have an
+  !! unknown x in place of p, whose rounding is that of the stress over its slope.
   pure subroutine solve_plasticity_and_creep(material, problem, solution, status)
     type(material_type), intent(in) :: material
     type(return_problem_type), intent(in) :: problem
@@ -192,52 +208,64 @@ contains
     integer :: i
     search%high = problem%q_trial / (3 * problem%G)
     search%scale = search%high                     ! rounding of the stresses
+    if (material%rate_law /= RATE_NONE) call estimate_rate_flow(material, problem%temperature, problem%elapsed, problem%p_old, &
+      [problem%q_trial, 3 * problem%G], search%x, search%high)
     status = RETURN_FAILED
     do i = 0, MAX_ROOT_ITERATIONS
       r = evaluate_yield_residual(material, problem, search%x)
       if (search%is_found) status = RETURN_OK
       if (search%is_found) exit
       if (.not. r%df < 0) return
+      if (material%rate_law /= RATE_NONE) search%scale = -problem%q_trial / r%df
       call improve_root(search, -r%f, -r%df)
     end do
-    solution%plastic = search%x
+    solution%plastic = r%p
     solution%creep = r%c
     solution%back_increment = r%back_increment
-    solution%ratio = 1 - (search%x + r%c) / (problem%q_trial / (3 * problem%G))
-    solution%slope = 1 + 3 * problem%G * (1 + r%dc) / r%df
+    solution%ratio = 1 - (r%p + r%c) / (problem%q_trial / (3 * problem%G))
+    solution%slope = 1 + 3 * problem%G * (r%dp + r%dc) / r%df
   end subroutine solve_plasticity_and_creep
 
 
-  !> Residual of the yield condition and its slope at a plastic increment, and the corresponding creep.
-  pure function evaluate_yield_residual(material, problem, p) result(r)
+  !> Residual of the yield condition and its slope at its unknown, and the corresponding creep.
+  pure function evaluate_yield_residual(material, problem, x) result(r)
     type(material_type), intent(in) :: material
     type(return_problem_type), intent(in) :: problem
-    real(DP), intent(in) :: p                      !< plastic increment [-]
+    real(DP), intent(in) :: x                      !< plastic increment, or unknown of the rate law
     type(yield_residual_type) :: r
-    real(DP) :: yield, yield_slope, back_slope
-    call evaluate_yield_stress(material, problem, p, yield, yield_slope)
+    type(yield_point_type) :: at
+    real(DP) :: back_slope
+    call evaluate_yield_stress(material, problem, x, at)
+    r%p = at%p
+    r%dp = at%dp
     back_slope = 0
     if (allocated(material%kinematic_hardening)) then
-      call evaluate_curves(material%kinematic_hardening, problem%temperature, problem%p_old + p, r%back_increment, back_slope)
+      call evaluate_curves(material%kinematic_hardening, problem%temperature, problem%p_old + r%p, r%back_increment, back_slope)
       r%back_increment = r%back_increment - problem%back_old
     end if
-    call evaluate_creep_increment(material, problem, yield, yield_slope, r%c, r%dc)
-    r%f = problem%q_trial - 3 * problem%G * (p + r%c) - yield - r%back_increment
-    r%df = -3 * problem%G * (1 + r%dc) - yield_slope - back_slope
+    call evaluate_creep_increment(material, problem, at%yield, at%slope, r%c, r%dc)
+    r%f = problem%q_trial - 3 * problem%G * (r%p + r%c) - at%yield - r%back_increment
+    r%df = -3 * problem%G * (r%dp + r%dc) - at%slope - back_slope * r%dp
   end function evaluate_yield_residual
 
 
-  !> The size of the yield surface after a plastic increment.
-  pure subroutine evaluate_yield_stress(material, problem, p, yield, slope)
+  !> The plastic increment and the size of the yield surface after it.
+  pure subroutine evaluate_yield_stress(material, problem, x, at)
     type(material_type), intent(in) :: material
     type(return_problem_type), intent(in) :: problem
-    real(DP), intent(in) :: p                      !< plastic increment [-]
-    real(DP), intent(out) :: yield, slope          !< [stress]
+    real(DP), intent(in) :: x                      !< plastic increment, or unknown of the rate law
+    type(yield_point_type), intent(out) :: at
+    if (material%rate_law /= RATE_NONE) then
+      call evaluate_rate_yield(material, problem%temperature, problem%elapsed, problem%p_old, x, at)
+      return
+    end if
+    at%p = x
+    at%dp = 1
     if (allocated(material%isotropic_hardening)) then
-      call evaluate_curves(material%isotropic_hardening, problem%temperature, problem%p_old + p, yield, slope)
+      call evaluate_curves(material%isotropic_hardening, problem%temperature, problem%p_old + x, at%yield, at%slope)
     else
-      call evaluate_curves(material%kinematic_hardening, problem%temperature, 0.0_DP, yield, slope)
-      slope = 0
+      call evaluate_curves(material%kinematic_hardening, problem%temperature, 0.0_DP, at%yield, at%slope)
+      at%slope = 0
     end if
   end subroutine evaluate_yield_stress
 
@@ -320,7 +348,7 @@ contains
     do i = 1, 2
       if (.not. (q(i) > 0 .and. times(2) > 0)) cycle
       problem = return_problem_type(G=0, q_trial=0, temperature=temperature(i), time=times(1), dt=times(2), &
-        mean_start=times(1) - times(2), p_old=0, c_old=c(1), back_old=0, creep=0)
+        mean_start=times(1) - times(2), p_old=0, c_old=c(1), back_old=0, creep=0, elapsed=times(2))
       call evaluate_table(material%creep, temperature(i), problem%creep)
       if (material%law == LAW_SAINT_VENANT) then
         if (i == 1) problem%time = problem%mean_start
@@ -391,30 +419,30 @@ contains
   !!     stress = B e,   B = (1 + g C P)^-1 C,   e the elastic trial strain
   !!
   !! one equation f(x) = q(stress) - q(x) = 0, f descending. Creep alone: x is q, and w = dc(q). Yielding: x is dp, q the yield
-  !! stress y(p + dp), and w = dp + dc(y). The tangent is B less a product of B P stress with itself, symmetric.
+  !! stress y(p + dp), and w = dp + dc(y); a rate law has its own x. The tangent is B less a product of B P stress with itself,
+  !! symmetric.
   pure subroutine map_anisotropic_return(material, C, e, temperature, times, history_old, solution, status)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: C(6, 6)                !< elasticity, engineering shears [stress]
     real(DP), intent(in) :: e(6)                   !< elastic trial strain, engineering shears [-]
     real(DP), intent(in) :: temperature            !< [temperature]
-    real(DP), intent(in) :: times(3)               !< end and length of the increment, start of the mean of time hardening [time]
+    real(DP), intent(in) :: times(4)               !< end and length of the increment of creep, start of the mean of time
+                                                   !! hardening, length of the increment for rates of plastic strain [time]
     real(DP), intent(in) :: history_old(MAX_HISTORY)      !< committed
     type(anisotropic_return_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
     type(return_problem_type) :: problem
-    real(DP) :: yield, slope
     status = RETURN_OK
     problem = return_problem_type(G=0, q_trial=0, temperature=temperature, time=times(1), dt=times(2), mean_start=times(3), &
-      p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0)
+      p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0, elapsed=times(4))
     call set_anisotropic_stress(C, e, 0.0_DP, solution)
     problem%q_trial = solution%q
     if (material%creep_law /= CREEP_NONE .and. times(2) > 0 .and. problem%q_trial > 0) then
       call evaluate_table(material%creep, temperature, problem%creep)
       call solve_anisotropic_flow(material, problem, C, e, .false., solution, status)
     end if
-    if (status /= RETURN_OK .or. .not. allocated(material%isotropic_hardening)) return
-    call evaluate_yield_stress(material, problem, 0.0_DP, yield, slope)
-    if (solution%q > yield * (1 + TOL_YIELD)) call solve_anisotropic_flow(material, problem, C, e, .true., solution, status)
+    if (status /= RETURN_OK) return
+    if (yields(material, problem, solution%q)) call solve_anisotropic_flow(material, problem, C, e, .true., solution, status)
   end subroutine map_anisotropic_return
 
 
@@ -427,9 +455,11 @@ contains
     type(anisotropic_return_type), intent(inout) :: solution
     integer, intent(out) :: status                 !< RETURN_...
     type(root_search_type) :: search
-    real(DP) :: f, df
+    real(DP) :: f, df, unused
     integer :: i
     search%scale = merge(norm2(e), problem%q_trial, is_yielding)        ! what rounding is measured by
+    if (is_yielding .and. material%rate_law /= RATE_NONE) call estimate_rate_flow(material, problem%temperature, problem%elapsed, &
+      problem%p_old, [problem%q_trial, dot_product(solution%flow, matmul(C, solution%flow))], search%x, unused)
     status = RETURN_FAILED
     if (.not. is_yielding) then                    ! within a factor of two: a rate may relax nearly all of the stress
       search%high = problem%q_trial
@@ -445,6 +475,7 @@ contains
     call evaluate_anisotropic_flow(material, problem, C, e, search%x, is_yielding, solution, f, df)
     do i = 1, MAX_ROOT_ITERATIONS
       if (.not. df < 0) return
+      if (is_yielding .and. material%rate_law /= RATE_NONE) search%scale = -norm2(matmul(C, e)) / df
       call improve_root(search, -f, -df)
       call evaluate_anisotropic_flow(material, problem, C, e, search%x, is_yielding, solution, f, df)
       if (.not. search%is_found) cycle
@@ -459,29 +490,29 @@ contains
     type(material_type), intent(in) :: material
     type(return_problem_type), intent(in) :: problem
     real(DP), intent(in) :: C(6, 6), e(6)
-    real(DP), intent(in) :: x                      !< von Mises stress [stress], or plastic increment [-]
+    real(DP), intent(in) :: x                      !< von Mises stress [stress], or unknown of the yield condition
     logical, intent(in) :: is_yielding
     type(anisotropic_return_type), intent(inout) :: solution
     real(DP), intent(out) :: f, df                 !< residual [stress] and its slope
-    real(DP) :: q, slope, creep, creep_slope, w, g, g_slope, Bn(6)
+    type(yield_point_type) :: at
+    real(DP) :: creep, creep_slope, w, g, g_slope, Bn(6)
     integer :: k
-    q = x
-    slope = 1
-    if (is_yielding) call evaluate_yield_stress(material, problem, x, q, slope)
-    call evaluate_creep_increment(material, problem, q, slope, creep, creep_slope)
-    solution%plastic = merge(x, 0.0_DP, is_yielding)
+    at = yield_point_type(yield=x, slope=1)
+    if (is_yielding) call evaluate_yield_stress(material, problem, x, at)
+    call evaluate_creep_increment(material, problem, at%yield, at%slope, creep, creep_slope)
+    solution%plastic = at%p
     solution%creep = creep
     w = solution%plastic + creep
     g = 0
     g_slope = 0
-    if (q > 0) then
-      g = 1.5_DP * w / q
-      g_slope = 1.5_DP * (merge(1.0_DP, 0.0_DP, is_yielding) + creep_slope - w * slope / q) / q
+    if (at%yield > 0) then
+      g = 1.5_DP * w / at%yield
+      g_slope = 1.5_DP * (at%dp + creep_slope - w * at%slope / at%yield) / at%yield
     end if
     call set_anisotropic_stress(C, e, g, solution)
     Bn = matmul(solution%tangent, solution%flow)
-    f = solution%q - q
-    df = -g_slope * solution%q / 1.5_DP * dot_product(solution%flow, Bn) - slope
+    f = solution%q - at%yield
+    df = -g_slope * solution%q / 1.5_DP * dot_product(solution%flow, Bn) - at%slope
     do k = 1, 6
       solution%tangent(:, k) = solution%tangent(:, k) + (g_slope * solution%q / (1.5_DP * df) * Bn(k)) * Bn
     end do

@@ -16,6 +16,7 @@ module amontons_materials
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
+  public :: RATE_NONE, RATE_POWER, RATE_RATIO, RATE_CURVES, rate_curves_type
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH
   public :: verdict_place, user_field_place
   public :: USER_STRESS, USER_STRAIN, USER_GRADIENT, USER_ENERGY, USER_ROTATION, USER_STATE, USER_FIELD, USER_VERDICT
@@ -56,6 +57,11 @@ module amontons_materials
   integer, parameter :: CREEP_TIME_HARDENING = 1     !< rate = A q^n t^m
   integer, parameter :: CREEP_STRAIN_HARDENING = 2   !< rate = (A q^n ((m + 1) e)^m)^(1/(m + 1))
 
+  integer, parameter :: RATE_NONE = 0           !< the yield stress does not depend on the rate of plastic strain
+  integer, parameter :: RATE_POWER = 1          !< rate = D (ratio - 1)^n, the ratio of the yield stress to the static one
+  integer, parameter :: RATE_RATIO = 2          !< a table of the ratio over the rate
+  integer, parameter :: RATE_CURVES = 3         !< hardening curves of several rates
+
   ! The history variables of an integration point: its committed state, without position.
   integer, parameter :: HISTORY_PEEQ = 1        !< equivalent plastic strain [-]
   integer, parameter :: HISTORY_CEEQ = 2        !< equivalent creep strain [-]
@@ -91,6 +97,12 @@ module amontons_materials
     real(DP), allocatable :: stress(:)          !< (n) yield stress [stress]
     integer :: variable = 0                     !< what the curves of the material are over: 0 the temperature, k field variable k
   end type hardening_curve_type
+
+  !> Hardening curves at one rate of the equivalent plastic strain.
+  type :: rate_curves_type
+    real(DP) :: rate = 0                        !< [1/time]
+    type(hardening_curve_type), allocatable :: curves(:)   !< (temperatures) ascending
+  end type rate_curves_type
 
   !> The law of the springs of one card.
   type :: spring_type
@@ -142,6 +154,11 @@ module amontons_materials
     real(DP) :: expansion_reference = 0              !< ZERO [temperature]
     type(hardening_curve_type), allocatable :: isotropic_hardening(:)   !< size of the yield surface, ascending temperatures
     type(hardening_curve_type), allocatable :: kinematic_hardening(:)   !< yield stress of monotonic tension of kinematic hardening
+    integer :: rate_law = RATE_NONE             !< RATE_... of isotropic_hardening, which holds at the lowest rate
+    type(property_table_type) :: rate_power     !< D [1/time], n
+    type(hardening_curve_type), allocatable :: rate_ratio(:)   !< ratio of the yield stress to the static one (stress) over the
+                                                !! rate (strain) [-]
+    type(rate_curves_type), allocatable :: rate_curves(:)      !< (rates) ascending
     integer :: yield_surface = YIELD_ROUND      !< YIELD_...
     type(property_table_type) :: cone           !< friction and dilation angle [rad], then K, or e and eps; of a cap: friction
                                                 !! angle, cohesion d, R, initial volumetric plastic strain, alpha; unallocated:
@@ -353,6 +370,7 @@ contains
         words = trim(words) // ', Drucker-Prager'
       end if
     end if
+    if (material%rate_law /= RATE_NONE) words = trim(words) // ', rate-dependent'
     if (allocated(material%kinematic_hardening)) words = trim(words) // ', kinematic hardening'
     if (material%is_corotational) words = trim(words) // ', corotational'
     if (material%cutoff_sign > 0) words = trim(words) // ', no compression'

@@ -66,7 +66,7 @@ TRIALS = [
     ("viscoelasticity by test data", "material", "*VISCOELASTIC, TIME=CREEP TEST DATA\n0.1, 0.1, 1.\n", r"Give g, k and tau"),
     ("`*TRS`", "material", "*TRS\n0.1, 0.1, 1.\n", r"\*TRS is not supported"),
     ("cast iron", "material", "*CAST IRON PLASTICITY\n0.1\n", r"\*CAST IRON PLASTICITY is not supported"),
-    ("rate-dependent yield", "material", "*PLASTIC\n200., 0.\n*RATE DEPENDENT\n40., 5.\n", r"\*RATE DEPENDENT is not supported"),
+    ("rate-dependent yield", "material", "*PLASTIC\n200., 0.\n*RATE DEPENDENT, TYPE=JOHNSON COOK\n0.01, 1.\n", r"Give POWER LAW or YIELD RATIO"),
 ]
 #: rows that no card requests, each with what holds it
 NO_CARD = {

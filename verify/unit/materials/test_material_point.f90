@@ -4,7 +4,7 @@ program test_material_point
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, HYPER_POLYNOMIAL, &
-    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, CONE_TENSION, &
+    HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, RATE_POWER, CONE_TENSION, &
     YIELD_RATIO, YIELD_MOHR_COULOMB, HISTORY_PEEQ, HISTORY_CEEQ, &
     HISTORY_INELASTIC
   use amontons_material_point, only: material_point_type, update_material_point, elastic_strain_from_stress
@@ -30,6 +30,8 @@ program test_material_point
   call check_plastic(creeping(CREEP_TIME_HARDENING, -0.4_DP), 'time hardening')
   call check_plastic(creeping(CREEP_STRAIN_HARDENING, -0.4_DP), 'strain hardening')
   call check_plastic(creeping_metal(), 'creep and yield')
+  call check_plastic(fast_metal(metal()), 'yield at a rate')
+  call check_plastic(fast_metal(crystal()), 'yield at a rate with cubic elasticity')
   call check_plastic(ramberg_osgood(), 'deformation plasticity')
   call check_plastic(crystal(), 'cubic elasticity')
   call check_plastic(isotropic_as_crystal(), 'isotropic by its matrix')
@@ -107,6 +109,16 @@ contains
     material%creep_law = CREEP_TIME_HARDENING
     material%creep = property_table_type([0.0_DP], reshape([1.0e-13_DP, 4.0_DP, 0.0_DP], [3, 1]))
   end function creeping_metal
+
+
+  !> A metal whose yield stress depends on the rate of plastic strain.
+  function fast_metal(static) result(material)
+    type(material_type), intent(in) :: static
+    type(material_type) :: material
+    material = static
+    material%rate_law = RATE_POWER
+    material%rate_power = property_table_type([0.0_DP], reshape([0.1_DP, 4.0_DP], [2, 1]))
+  end function fast_metal
 
 
   !> Deformation plasticity.
@@ -225,6 +237,7 @@ contains
     point%initial_temperature = 0
     point%time = 1
     point%time_increment = 1
+    point%elapsed_time = 1
     point%history_old = 0
   end function virgin
 

@@ -3,7 +3,7 @@
 program test_plasticity
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_SAINT_VENANT, &
-    CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
+    CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, RATE_POWER, RATE_RATIO, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, return_to_curve, &
     map_anisotropic_return, is_inelastic, evaluate_ramberg_osgood, RETURN_OK, RETURN_FAILED
   use amontons_elasticity, only: isotropic_tangent
@@ -11,6 +11,7 @@ program test_plasticity
   use check, only: suite_type
   implicit none
   real(DP), parameter :: G = 80000.0_DP, Y0 = 240.0_DP, H_ISO = 1000.0_DP, H_KIN = 3000.0_DP
+  real(DP) :: elapsed = 2.0_DP                     !< length of the increment that rates count by [time]
   type(suite_type) :: suite
   call check_linear_hardening()
   call check_segments()
@@ -21,6 +22,9 @@ program test_plasticity
   call check_ramberg_osgood()
   call check_anisotropic()
   call check_anisotropic_creep()
+  call check_rates()
+  call check_power_law()
+  call check_anisotropic_rates()
   call suite%finish()
 
 contains
@@ -61,7 +65,7 @@ contains
     history(HISTORY_PEEQ) = p_old
     history(HISTORY_CEEQ) = c_old
     call map_radial_return(material, G, q_trial, 0.0_DP, [3.0_DP, 2.0_DP, merge(3.0_DP, 1.0_DP, material%law == &
-      LAW_SAINT_VENANT)], history, solution, status)
+      LAW_SAINT_VENANT), elapsed], history, solution, status)
     call suite%that('the return succeeds', status == RETURN_OK)
   end function solve
 
@@ -131,7 +135,7 @@ contains
     history = 0
     material = metal(.true., .false.)
     material%isotropic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 1.0e-3_DP], [Y0, Y0 - 3.1_DP * G * 1.0e-3_DP])
-    call map_radial_return(material, G, 2 * Y0, 0.0_DP, [1.0_DP, 1.0_DP, 0.0_DP], history, s, status)
+    call map_radial_return(material, G, 2 * Y0, 0.0_DP, [1.0_DP, 1.0_DP, 0.0_DP, 1.0_DP], history, s, status)
     call suite%that('softening below -3 G fails', status /= RETURN_OK)
     material%isotropic_hardening(1) = hardening_curve_type(0.0_DP, [0.0_DP, 2.0e-3_DP], [Y0, Y0 - G * 2.0e-3_DP])
     s = solve(material, Y0 + 100, 0.0_DP, 0.0_DP)
@@ -236,25 +240,25 @@ contains
     C = isotropic_tangent(120000.0_DP, G)
     e = [0.004_DP, -0.001_DP, 0.0005_DP, 0.003_DP, -0.001_DP, 0.002_DP]
     q_trial = von_mises(matmul(C, e))
-    call map_anisotropic_return(material, C, e, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP], history, s, status)
+    call map_anisotropic_return(material, C, e, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP, 1.0_DP], history, s, status)
     call suite%near('anisotropic: dp', s%plastic, (q_trial - Y0 - 0.01_DP * H_ISO) / (3 * G + H_ISO), 1.0e-13_DP)
     call suite%near('anisotropic: pressure', sum(s%stress(:3)), sum(matmul(C(:3, :), e)), 1.0e-8_DP)
     call suite%near('anisotropic: q', von_mises(s%stress), Y0 + H_ISO * (0.01_DP + s%plastic), 1.0e-8_DP)
     call suite%near('anisotropic: the flow is a deviator', sum(s%flow(:3)), 0.0_DP, 1.0e-14_DP)
     do crystal = 1, 2
       if (crystal == 2) C(4, 4) = 2.5_DP * C(4, 4)
-      call map_anisotropic_return(material, C, e, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP], history, s, status)
+      call map_anisotropic_return(material, C, e, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP, 1.0_DP], history, s, status)
       call suite%near('stress = C (e - dp n)', norm2(s%stress - matmul(C, e - s%plastic * s%flow)), 0.0_DP, 1.0e-8_DP)
       do k = 1, 6
         de = 0
         de(k) = STEP
-        call map_anisotropic_return(material, C, e + de, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP], history, plus, status)
-        call map_anisotropic_return(material, C, e - de, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP], history, minus, status)
+        call map_anisotropic_return(material, C, e + de, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP, 1.0_DP], history, plus, status)
+        call map_anisotropic_return(material, C, e - de, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP, 1.0_DP], history, minus, status)
         call suite%near('anisotropic: tangent', norm2(s%tangent(:, k) - (plus%stress - minus%stress) / (2 * STEP)), 0.0_DP, &
           1.0e-6_DP * norm2(C))
       end do
     end do
-    call map_anisotropic_return(material, C, 0.01_DP * e, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP], 0 * history, s, status)
+    call map_anisotropic_return(material, C, 0.01_DP * e, 0.0_DP, [1.0_DP, 0.0_DP, 1.0_DP, 1.0_DP], 0 * history, s, status)
     call suite%that('anisotropic: elastic', status == RETURN_OK .and. s%plastic == 0 .and. all(s%tangent == C))
   end subroutine check_anisotropic
 
@@ -267,7 +271,7 @@ contains
     type(anisotropic_return_type) :: s, plus, minus
     real(DP) :: C(6, 6), e(6), de(6), history(MAX_HISTORY)
     integer :: status, k, crystal, law, yields
-    real(DP), parameter :: STEP = 1.0e-7_DP, TIMES(3) = [3.0_DP, 2.0_DP, 1.0_DP]
+    real(DP), parameter :: STEP = 1.0e-7_DP, TIMES(4) = [3.0_DP, 2.0_DP, 1.0_DP, 2.0_DP]
     e = [0.004_DP, -0.001_DP, 0.0005_DP, 0.003_DP, -0.001_DP, 0.002_DP]
     history = 0
     history(HISTORY_CEEQ) = 2.0e-4_DP
@@ -300,5 +304,116 @@ contains
       end do
     end do
   end subroutine check_anisotropic_creep
+
+
+  !> A metal with linear hardening whose yield stress follows rate = D (ratio - 1)^n.
+  function fast_metal(D, n) result(material)
+    real(DP), intent(in) :: D, n
+    type(material_type) :: material
+    material = metal(.true., .false.)
+    material%rate_law = RATE_POWER
+    material%rate_power = property_table_type([0.0_DP], reshape([D, n], [2, 1]))
+  end function fast_metal
+
+
+  !> Closed forms without hardening: n = 1 is linear in p, n = 2 quadratic in its root; a table is linear in its segment. No flow
+  !! without time.
+  subroutine check_rates()
+    type(material_type) :: material
+    type(return_mapping_type) :: s
+    real(DP), parameter :: D = 0.01_DP, OVER = 300.0_DP
+    real(DP) :: root
+    material = fast_metal(D, 1.0_DP)
+    material%isotropic_hardening(1)%stress = Y0
+    s = solve(material, Y0 + OVER, 0.3_DP, 0.0_DP)
+    call suite%near('n = 1: dp', s%plastic, OVER / (3 * G + Y0 / (elapsed * D)), 1.0e-15_DP)
+    call suite%near('n = 1: ratio', s%ratio, 1 - 3 * G * s%plastic / (Y0 + OVER), 1.0e-14_DP)
+    call suite%near('n = 1: slope', s%slope, 1 - 3 * G / (3 * G + Y0 / (elapsed * D)), 1.0e-13_DP)
+    call suite%near('flow', s%flow, s%plastic, 0.0_DP)
+    s = solve(material, Y0, 0.3_DP, 0.0_DP)
+    call suite%that('at the static yield stress', s%plastic == 0)
+    material = fast_metal(D, 2.0_DP)
+    material%isotropic_hardening(1)%stress = Y0
+    s = solve(material, Y0 + OVER, 0.3_DP, 0.0_DP)
+    root = (-Y0 + sqrt(Y0**2 + 4 * OVER * 3 * G * elapsed * D)) / (2 * 3 * G * elapsed * D)   ! of 3 G dt D x^2 + Y0 x = OVER
+    call suite%near('n = 2: dp', s%plastic, elapsed * D * root**2, 1.0e-15_DP)
+    material = metal(.true., .false.)
+    material%isotropic_hardening(1)%stress = Y0
+    material%rate_law = RATE_RATIO
+    material%rate_ratio = [hardening_curve_type(0.0_DP, [0.0_DP, 1.0_DP], [1.0_DP, 101.0_DP])]
+    s = solve(material, Y0 + OVER, 0.3_DP, 0.0_DP)
+    call suite%near('table: dp', s%plastic, OVER / (3 * G + 100 * Y0 / elapsed), 1.0e-15_DP)
+    elapsed = 0
+    s = solve(material, Y0 + OVER, 0.3_DP, 0.0_DP)
+    elapsed = 2
+    call suite%that('no flow without time', s%plastic == 0 .and. s%slope == 1)
+  end subroutine check_rates
+
+
+  !> The power law from almost rigid to almost static, with exponents from 0.3 to 200 and overstresses from 1e-8 to 1e6: the yield
+  !! condition holds to the rounding of the stress, and the slope is that of differences.
+  subroutine check_power_law()
+    type(return_mapping_type) :: s, plus, minus
+    real(DP) :: q, D, n, static, ratio
+    real(DP), parameter :: EXPONENTS(6) = [0.3_DP, 1.0_DP, 3.0_DP, 5.0_DP, 20.0_DP, 200.0_DP], STEP = 1.0e-5_DP
+    integer :: i, j, k
+    do i = 1, size(EXPONENTS)
+      n = EXPONENTS(i)
+      do j = -12, 12, 3
+        D = 10.0_DP**j
+        do k = -8, 6, 2
+          q = Y0 * (1 + 10.0_DP**k)
+          s = solve(fast_metal(D, n), q, 0.0_DP, 0.0_DP)
+          static = Y0 + H_ISO * min(s%plastic, 1.0_DP)
+          ratio = (q - 3 * G * s%plastic) / static
+          call suite%that('stress between static yield and trial', ratio >= 1 - 1.0e-12_DP .and. s%plastic >= 0)
+          if (s%plastic > 1.0e-12_DP * q / (3 * G)) call suite%near('rate', static * (1 + (s%plastic / (elapsed * D))**(1 / n)) &
+            + 3 * G * s%plastic, q, 1.0e-10_DP * q)
+          plus = solve(fast_metal(D, n), q * (1 + STEP * 10.0_DP**k / (1 + 10.0_DP**k)), 0.0_DP, 0.0_DP)
+          minus = solve(fast_metal(D, n), q * (1 - STEP * 10.0_DP**k / (1 + 10.0_DP**k)), 0.0_DP, 0.0_DP)
+          if (k > -4) call suite%near('slope', s%slope, 1 - 3 * G * (plus%plastic - minus%plastic) / &
+            (2 * q * STEP * 10.0_DP**k / (1 + 10.0_DP**k)), 1.0e-5_DP)
+        end do
+      end do
+    end do
+  end subroutine check_power_law
+
+
+  !> A rate law with anisotropic elasticity: the radial return where C is isotropic, the yield condition for a cubic crystal, and
+  !! the tangent by differences.
+  subroutine check_anisotropic_rates()
+    type(material_type) :: material
+    type(return_mapping_type) :: radial
+    type(anisotropic_return_type) :: s, plus, minus
+    real(DP) :: C(6, 6), e(6), de(6), history(MAX_HISTORY)
+    integer :: status, k, crystal, i
+    real(DP), parameter :: STEP = 1.0e-7_DP, TIMES(4) = [3.0_DP, 0.0_DP, 3.0_DP, 2.0_DP]
+    real(DP), parameter :: LAWS(2, 4) = reshape([0.01_DP, 5.0_DP, 1.0e-6_DP, 30.0_DP, 100.0_DP, 1.5_DP, 0.001_DP, 0.5_DP], [2, 4])
+    e = [0.004_DP, -0.001_DP, 0.0005_DP, 0.003_DP, -0.001_DP, 0.002_DP]
+    history = 0
+    do i = 1, size(LAWS, 2)
+      material = fast_metal(LAWS(1, i), LAWS(2, i))
+      C = isotropic_tangent(120000.0_DP, G)
+      radial = solve(material, von_mises(matmul(C, e)), 0.0_DP, 0.0_DP)
+      call map_anisotropic_return(material, C, e, 0.0_DP, TIMES, history, s, status)
+      call suite%near('anisotropic rate: dp', s%plastic, radial%plastic, 1.0e-13_DP)
+      do crystal = 1, 2
+        if (crystal == 2) C(4, 4) = 2.5_DP * C(4, 4)
+        call map_anisotropic_return(material, C, e, 0.0_DP, TIMES, history, s, status)
+        call suite%that('anisotropic rate: status', status == RETURN_OK .and. s%plastic > 0)
+        call suite%near('stress = C (e - dp n)', norm2(s%stress - matmul(C, e - s%plastic * s%flow)), 0.0_DP, 1.0e-7_DP)
+        call suite%near('yield at the rate', von_mises(s%stress), (Y0 + H_ISO * s%plastic) * &
+          (1 + (s%plastic / (TIMES(4) * LAWS(1, i)))**(1 / LAWS(2, i))), 1.0e-7_DP)
+        do k = 1, 6
+          de = 0
+          de(k) = STEP
+          call map_anisotropic_return(material, C, e + de, 0.0_DP, TIMES, history, plus, status)
+          call map_anisotropic_return(material, C, e - de, 0.0_DP, TIMES, history, minus, status)
+          call suite%near('anisotropic rate: tangent', norm2(s%tangent(:, k) - (plus%stress - minus%stress) / (2 * STEP)), &
+            0.0_DP, 1.0e-6_DP * norm2(C))
+        end do
+      end do
+    end do
+  end subroutine check_anisotropic_rates
 
 end program test_plasticity
