@@ -136,9 +136,11 @@ contains
     call table%option('NSET', VALUE_NAME, 'Name of the set.', default='required')
     call table%option('GENERATE', VALUE_NONE, 'Each data line is a range of node numbers.')
     call table%option('ELSET', VALUE_NAME, 'Takes the nodes of the elements of this element set.')
-    call table%option('UNSORTED|INTERNAL', VALUE_NONE, '', status=ENTRY_IGNORED)
+    call table%option('UNSORTED', VALUE_NONE, 'Keeps the order of the nodes, by which *EQUATION and *MPC bind those of two sets.')
+    call table%option('INTERNAL', VALUE_NONE, '', status=ENTRY_IGNORED)
     call table%option('INSTANCE', VALUE_NAME, 'In an assembly: numbers and names are those of this instance.')
-    call table%add_dialect_note('Numbers of nodes that do not exist are errors under abaqus, notes under calculix.')
+    call table%add_dialect_note('Numbers of nodes that do not exist are errors under abaqus, notes under calculix. calculix: ' // &
+      'always UNSORTED.')
 
     call table%card('ELSET', SCOPE_BOTH, 'Defines an element set or extends it.', &
       data='element numbers and names of element sets; with GENERATE first, last, step')
@@ -376,7 +378,7 @@ contains
       'as the second), LINEAR (the first is between the other two), MEANROT (the mean ' // &
       'rotation of the nodes is the first displacement of the last node, whose coordinates are the axis), DIST (a rope: ' // &
       'node, node, node, other, other, other, last node, whose first coordinate is the largest distance).', &
-      data='kind, nodes or node sets; of a kind of two nodes also two sets of as many nodes, or a set and a node')
+      data='kind, nodes or node sets; of a kind of two nodes, and of LINEAR, also sets of as many nodes, or a set and nodes')
     call table%option('INPUT|USER|MODE', VALUE_TEXT, 'Write the nodes into the deck; in place of a routine MPC use *EQUATION, ' // &
       '*RIGID BODY, *COUPLING or *USER ELEMENT.', status=ENTRY_REJECTED)
     call table%add_dialect_note('BEAM: abaqus fixes the first node rigidly to the second; calculix keeps their distance. ' // &
@@ -782,12 +784,12 @@ contains
     type(card_table_type), intent(inout) :: table
     call table%cards_with(ENTRY_IGNORED, 'HOURGLASS STIFFNESS', 'The stiffness of one-point elements against hourglass modes ' // &
       'follows from their material.')
-    call table%cards_with(ENTRY_IGNORED, 'PREPRINT|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE ' // &
-      'OUTPUT|SECTION FILE|SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|' // &
-      'INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|' // &
-      'SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|' // &
-      'MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|DISPLAY BODY|LOAD CASE NAME|END LOAD CASE NAME', 'Amontons does not ' // &
-      'write this output; the result file holds all fields, and forces and moments are in its tables.')
+    call table%cards_with(ENTRY_IGNORED, 'PREPRINT|MONITOR|PRINT|ENERGY PRINT|FILE FORMAT|FILE OUTPUT|SECTION FILE|' // &
+      'SECTION OUTPUT|FACE PRINT|INTEGRATED OUTPUT|INTEGRATED OUTPUT SECTION|INCREMENTATION OUTPUT|MODAL FILE|MODAL OUTPUT|' // &
+      'MODAL PRINT|RADIATION FILE|RADIATION OUTPUT|RADIATION PRINT|SURFACE OUTPUT|USER OUTPUT VARIABLES|ELEMENT RESPONSE|' // &
+      'NODE RESPONSE|CONTACT RESPONSE|ELEMENT MATRIX OUTPUT|MATRIX OUTPUT|DIAGNOSTICS|FILTER|DATA CHECK|DISPLAY BODY|' // &
+      'LOAD CASE NAME|END LOAD CASE NAME|FAIL STRAIN|FAIL STRESS', 'Amontons does not write this output; the result file ' // &
+      'holds all fields, and forces and moments are in its tables.')
     call table%cards_with(ENTRY_IGNORED, 'CONDUCTIVITY|SPECIFIC HEAT|LATENT HEAT|INELASTIC HEAT FRACTION|' // &
       'ELECTRICAL CONDUCTIVITY|JOULE HEAT FRACTION|MAGNETIC PERMEABILITY|FLUID CONSTANTS|SPECIFIC GAS CONSTANT|' // &
       'PHYSICAL CONSTANTS|ABSOLUTE ZERO|GAP CONDUCTANCE|GAP HEAT GENERATION|EMISSIVITY', 'There is no flow of ' // &
@@ -810,7 +812,7 @@ contains
       'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
       'HARDENING|CAST IRON TENSION HARDENING|DAMAGE INITIATION|DAMAGE EVOLUTION|DAMAGE STABILIZATION|' // &
       'POTENTIAL|POROUS ELASTIC|POROUS METAL PLASTICITY|MULLINS EFFECT|HYSTERESIS|LOW DENSITY FOAM|' // &
-      'FAIL STRAIN|FAIL STRESS|SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
+      'SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
       'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
       'VISCOUS|SIMPLE SHEAR TEST DATA|VOLUMETRIC TEST DATA', &
       'Give the material with *ELASTIC, *PLASTIC, *DRUCKER PRAGER, *MOHR COULOMB, *CREEP, *HYPERELASTIC or *HYPERFOAM, or by ' // &

@@ -29,16 +29,20 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: nodes(:)
     character(:), allocatable :: kind
-    integer :: line, n_first
+    integer :: line, n_nodes, n_of(3), i
     logical :: is_ok, has_row
     call open_card(reader, c, parameters, row)
     has_row = next_row(reader%cards, row)
     do while (has_row)
-      n_first = count_field_nodes(reader, model, row, 2)
+      n_of = [(count_field_nodes(reader, model, row, i), i=2, 4)]
       call read_next_mpc(reader, model, row, '', has_row, kind, nodes, line, is_ok)
       if (.not. is_ok .or. kind == 'DIST') cycle
-      if (is_one_of(kind, 'BEAM|LINK|TIE|PIN') .and. size(nodes) > 2) then
-        call add_pairs(reader, model, line, kind, nodes, n_first)
+      n_nodes = 0
+      if (is_one_of(kind, 'BEAM|LINK|TIE|PIN')) n_nodes = 2
+      if (kind == 'LINEAR') n_nodes = 3
+      if (n_nodes > 0 .and. size(nodes) > n_nodes) then
+        n_of(n_nodes) = size(nodes) - sum(n_of(:n_nodes - 1))   ! also those of further rows
+        call add_groups(reader, model, line, kind, nodes, n_of(:n_nodes))
       else
         call add_mpc(reader, model, line, kind, nodes)
       end if
@@ -59,28 +63,33 @@ contains
   end function count_field_nodes
 
 
-  !> Kinds of two nodes over sets, as Abaqus expands them: each node of the first set with that of the same place in the second one,
-  !! or all with one node.
-  subroutine add_pairs(reader, model, line, kind, nodes, n_first)
+  !> Kinds of two or three nodes over sets, as Abaqus expands them: each node of the first set with those of the same place in the
+  !! other ones, or with the one node of a field.
+  subroutine add_groups(reader, model, line, kind, nodes, n_of)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
     integer, intent(in) :: line
     character(*), intent(in) :: kind             !< squeezed
-    integer, intent(in) :: nodes(:)              !< those of the first field and of the second one
-    integer, intent(in) :: n_first               !< those of the first
-    integer :: i, n_last, other
-    n_last = size(nodes) - n_first
-    if (n_last /= 1 .and. n_last /= n_first) then
-      call report_error(reader, line, kind // ' binds nodes two by two: give two nodes, two sets of as many nodes, or a set ' // &
-        'and a ' // &
-        'node. Here are ' // to_text(n_first) // ' and ' // to_text(n_last) // '.')
+    integer, intent(in) :: nodes(:)              !< those of the first field, of the second one, ...
+    integer, intent(in) :: n_of(:)               !< nodes of each field
+    character(:), allocatable :: numbers
+    integer :: group(size(n_of))
+    integer :: i, k
+    if (any(n_of(2:) /= 1 .and. n_of(2:) /= n_of(1))) then
+      numbers = to_text(n_of(1))
+      do k = 2, size(n_of)
+        numbers = numbers // trim(merge(' and', ',   ', k == size(n_of))) // ' ' // to_text(n_of(k))
+      end do
+      call report_error(reader, line, kind // ' binds nodes ' // trim(merge('two by two    ', 'three by three', &
+        size(n_of) == 2)) // ': give ' // trim(merge('two  ', 'three', size(n_of) == 2)) // ' nodes, sets of as many ' // &
+        'nodes, or a set first and then nodes. Here are ' // numbers // '.')
       return
     end if
-    do i = 1, n_first
-      other = nodes(n_first + min(i, n_last))
-      if (nodes(i) /= other) call add_mpc(reader, model, line, kind, [nodes(i), other])
+    do i = 1, n_of(1)
+      group = [(nodes(sum(n_of(:k - 1)) + min(i, n_of(k))), k=1, size(n_of))]
+      if (.not. any(group(2:) == group(1))) call add_mpc(reader, model, line, kind, group)
     end do
-  end subroutine add_pairs
+  end subroutine add_groups
 
 
   !> The next constraint of a card: its first row, and those after it that begin with a number or a set.

@@ -1,14 +1,16 @@
 !> NSET and ELSET to member lists.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
-!! All cards with the name of a set add to it, wherever they are in the deck; sets may name sets that come later.
+!! All cards with the name of a set add to it, wherever they are in the deck; sets may name sets that come later. Node sets are in
+!! the order of their numbers unless a card has UNSORTED, as in Abaqus: EQUATION and MPC bind nodes of the same place in two sets.
+!! Under the calculix dialect they keep the order of the deck, as in CalculiX.
 module amontons_deck_sets
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_integer, field_text
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_integer, check_n_fields, is_card, &
     check_name
-  use amontons_containers, only: integer_list_type, label_table_type, name_table_type
+  use amontons_containers, only: integer_list_type, label_table_type, name_table_type, sort_integers
   use amontons_mesh, only: mesh_type, set_type
   use amontons_model, only: DIALECT_CALCULIX
   use amontons_text, only: name_key, to_text, NUMBER_OK, NUMBER_EMPTY
@@ -166,8 +168,36 @@ contains
       call add_card_members(reader, draft, mesh, family, s, family%sets(s)%cards%items(i), members)
     end do
     family%sets(s)%members = members%trimmed()
+    if (family%is_node .and. reader%dialect /= DIALECT_CALCULIX) then
+      if (.not. has_unsorted(reader, family%sets(s)%cards%trimmed())) call sort_by_label(mesh, family%sets(s)%members)
+    end if
     family%sets(s)%state = SET_RESOLVED
   end subroutine resolve_set
+
+
+  !> Whether one of some cards has UNSORTED.
+  logical function has_unsorted(reader, cards)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: cards(:)              !< NSET or NODE
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    integer :: i
+    has_unsorted = .false.
+    do i = 1, size(cards)
+      call open_card(reader, cards(i), parameters, row)
+      has_unsorted = has_unsorted .or. has_parameter(parameters, 'UNSORTED')
+    end do
+  end function has_unsorted
+
+
+  !> Sorts nodes by their numbers in the deck.
+  pure subroutine sort_by_label(mesh, nodes)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(inout) :: nodes(:)           !< different ones
+    integer :: labels(size(nodes))
+    labels = mesh%node_label(nodes)
+    call sort_integers(labels, nodes)
+  end subroutine sort_by_label
 
 
   !> Resolves the sets named by one card; reports unknown sets and circular references.

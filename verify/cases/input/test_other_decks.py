@@ -170,3 +170,12 @@ def test_a_pair_of_a_missing_surface_of_shells(run_deck: Run) -> None:
     done = run_deck(deck + INTERACTION + "*CONTACT PAIR, INTERACTION=I\nMISSING, S\n" + step(""))
     assert done.returncode == 3
     assert "There is no surface 'MISSING'" in done.stdout, done.stdout
+
+
+def test_data_of_failure_theories(run_deck: Run, tmp_path: Path) -> None:
+    """*FAIL STRESS and *FAIL STRAIN give data for output that is not written: they are read past with a note."""
+    deck = cubes() + "*TIE, NAME=T\nDOWN, UP\n"
+    cards = "*FAIL STRESS\n1830., -1096., 57., -228., 71., -1., 0.\n*FAIL STRAIN\n0.01, -0.01, 0.02, -0.02, 0.03\n"
+    longer = deck.replace("*DENSITY", cards + "*DENSITY")
+    assert displacements(run_deck, tmp_path, longer + step(PULL)) == displacements(run_deck, tmp_path, deck + step(PULL))
+    assert "*FAIL STRESS is read past" in run_deck(longer + step(PULL)).stdout

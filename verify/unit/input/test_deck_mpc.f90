@@ -84,6 +84,7 @@ contains
       all(model%equations(2)%dof == 2))
     call suite%near('equal displacements', maxval(abs(model%equations(2)%coefficient - [1.0_DP, -1.0_DP])), 0.0_DP, 0.0_DP)
     call expect_message('*MPC;PIN,ROW,TWO;', 'Here are 3 and 2')
+    call expect_message('*MPC;LINEAR,ROW,TWO,TWO;', 'Here are 3, 2 and 2')
     call expect_message('*MPC;LINK,7;', 'BEAM and LINK need two nodes')
     call expect_message('*MPC;TIE,7,7;', 'TIE and PIN need two nodes')
   end subroutine check_pairs

@@ -91,8 +91,8 @@ contains
     call suite%that('the node of the assembly', model%mesh%n_nodes == 17 .and. model%mesh%node_label(17) == 17)
     call suite%near('at its place', model%mesh%coordinates(1, 17), 5.0_DP, 0.0_DP)
     call expect_nodes('REF', [17])
-    call expect_nodes('B', [9, 10, 1, 4, 7])
-    call expect_nodes('C', [9, 12, 15, 8])
+    call expect_nodes('B', [1, 4, 7, 9, 10])
+    call expect_nodes('C', [8, 9, 12, 15])
     call suite%that('its surface', model%surfaces(size(model%surfaces))%element(1) == 2)
   end subroutine check_assembly
 

@@ -20,13 +20,14 @@ program test_deck_sets
 contains
 
   !> A set of nodes has given members, by label.
-  subroutine expect_nodes(text, name, labels)
+  subroutine expect_nodes(text, name, labels, dialect)
     character(*), intent(in) :: text, name
     integer, intent(in) :: labels(:)
+    integer, intent(in), optional :: dialect
     type(model_type) :: model
     logical :: is_right
     integer :: s, n_found
-    call expect_read(text, model)
+    call expect_read(text, model, dialect=dialect)
     is_right = .false.
     n_found = 0
     do s = 1, size(model%mesh%node_sets)
@@ -41,16 +42,19 @@ contains
   end subroutine expect_nodes
 
 
-  !> Order as written, each once; several cards; sets that come later; ranges skip what is missing; nodes of elements.
+  !> Order of the numbers or as written, each once; several cards; sets that come later; ranges skip what is missing; nodes of
+  !! elements.
   subroutine check_members()
-    call expect_nodes('*NSET, NSET=A;30,10,,30;20;', 'A', [30, 10, 20])
-    call expect_nodes('*NSET, NSET=A;30;*NSET, NSET=B;40;*NSET, NSET=a;20;', 'A', [30, 20])
+    call expect_nodes('*NSET, NSET=A;30,10,,30;20;', 'A', [10, 20, 30])
+    call expect_nodes('*NSET, NSET=A, UNSORTED;30,10,,30;20;', 'A', [30, 10, 20])
+    call expect_nodes('*NSET, NSET=A, UNSORTED;30;*NSET, NSET=B;40;*NSET, NSET=a;20;', 'A', [30, 20])
     call expect_nodes('*NSET, NSET=A;B,90;*NSET, NSET=B;C,20;*NSET, NSET=C;10;', 'A', [10, 20, 90])
     call expect_nodes('*NSET, NSET=A;20,A;', 'A', [20])
     call expect_nodes('*NSET, NSET=A, GENERATE;20,55,15;', 'A', [20, 50])
     call expect_nodes('*NSET, NSET=A, GENERATE;20;*NSET, NSET=A, GENERATE;15,40,5;', 'A', [20, 30, 40])
     call expect_nodes('*NSET, NSET=A, ELSET=E;', 'A', [10, 20, 30, 40, 50, 60, 70, 80])
-    call expect_nodes('*NODE, NSET=NEW;95,0,0,3;94,0,0,4;*NSET, NSET=NEW;10;', 'NEW', [95, 94, 10])
+    call expect_nodes('*NODE, NSET=NEW;95,0,0,3;94,0,0,4;*NSET, NSET=NEW;10;', 'NEW', [10, 94, 95])
+    call expect_nodes('*NODE, NSET=NEW;95,0,0,3;94,0,0,4;*NSET, NSET=NEW;10;', 'NEW', [95, 94, 10], DIALECT_CALCULIX)
   end subroutine check_members
 
 
