@@ -6,12 +6,14 @@
 !! orientations become INSTANCE.NAME, as the cards of assembly and steps refer to them. Every line keeps the file
 !! and the number of its original line, for messages.
 module amontons_deck_parts
-  use amontons_kinds, only: DP, PI
+  use amontons_kinds, only: DP
   use amontons_cards, only: cards_type, data_row_type, parameter_type, deck_messages_type, start_deck_text, append_line, &
     find_cards, read_parameters, start_rows, next_row, field_text, field_integer, field_real, line_text
-  use amontons_tensor, only: cross_product, IDENTITY
+  use amontons_tensor, only: IDENTITY
   use amontons_text, only: name_key, to_text, is_one_of, parse_integer, parse_real, NUMBER_OK
   use amontons_deck_labels, only: n_nodes_of_type, parameter_value, card_has_parameter
+  use amontons_deck_placement, only: placement_type, read_placement, placed_point, is_rotated, format_point, placed_axes, &
+    point_row, profile_row, direction_row_number, direction_row
   implicit none
   private
   public :: flatten_parts
@@ -30,16 +32,12 @@ module amontons_deck_parts
   integer, parameter :: OF_NAME = 0, OF_NODE = 1, OF_ELEMENT = 2   !< what a field names; numbers of names stay
 
   !> The scope of cards: a part in a certain instance, the assembly, or the model.
-  type :: instance_type
+  type, extends(placement_type) :: instance_type
     character(:), allocatable :: name            !< of the instance; '' of the assembly and the model
     character(:), allocatable :: part            !< squeezed name of the part
     integer :: first = 0, last = -1              !< cards of the instance itself
     integer :: added(OF_NAME:OF_ELEMENT) = 0     !< to numbers
     integer :: largest(OF_NAME:OF_ELEMENT) = 0   !< number that it has itself; looked at for instances
-    real(DP) :: shift(3) = 0                     !< translation [length]
-    real(DP) :: turn(3, 3) = 0                   !< rotation, after the translation
-    real(DP) :: centre(3) = 0                    !< a point of its axis [length]
-    logical :: has_placement = .false.
   end type instance_type
 
   !> A part: its cards.
@@ -203,53 +201,6 @@ contains
     call read_placement(cards, c, instance, messages)
     work%instances = [work%instances, instance]
   end subroutine begin_instance
-
-
-  !> The data lines of an instance: translation; two points of an axis and an angle in degrees.
-  subroutine read_placement(cards, c, instance, messages)
-    type(cards_type), intent(in) :: cards
-    integer, intent(in) :: c
-    type(instance_type), intent(inout) :: instance
-    type(deck_messages_type), intent(inout) :: messages
-    type(data_row_type) :: row
-    real(DP) :: x(7), axis(3), s, k
-    integer :: i, n, n_wanted, status
-    n = 0
-    call start_rows(cards%cards(c), row)
-    do while (next_row(cards, row))
-      n = n + 1
-      n_wanted = merge(3, 7, n == 1)
-      x = 0
-      if (n > 2 .or. row%n > n_wanted) then
-        call messages%add(row%line, 'An instance has at most two data lines: a translation of three numbers, and two ' // &
-          'points and an angle, seven numbers.')
-        return
-      end if
-      do i = 1, row%n
-        call field_real(cards, row, i, x(i), status)
-        if (status /= NUMBER_OK) call messages%add(row%line, 'Field ' // to_text(i) // ' must be a real number.')
-      end do
-      instance%has_placement = .true.
-      if (n == 1) then
-        instance%shift = x(:3)
-        instance%turn = IDENTITY
-        cycle
-      end if
-      instance%centre = x(:3)
-      axis = x(4:6) - x(:3)
-      if (.not. norm2(axis) > 0) then
-        call messages%add(row%line, 'The two points of the axis must differ.')
-        return
-      end if
-      axis = axis / norm2(axis)
-      s = sin(x(7) * PI / 180)
-      k = 1 - cos(x(7) * PI / 180)
-      do i = 1, 3                                ! Rodrigues: 1 + s [a] + (1 - cos) [a] [a]
-        instance%turn(:, i) = IDENTITY(:, i) + s * cross_product(axis, IDENTITY(:, i)) + &
-          k * cross_product(axis, cross_product(axis, IDENTITY(:, i)))
-      end do
-    end do
-  end subroutine read_placement
 
 
   !> Shifts that give every instance, and last the assembly, unique numbers. The first instance keeps those of its part.
@@ -441,13 +392,6 @@ contains
   end function card_header
 
 
-  !> Whether an instance is rotated, not only translated.
-  pure logical function is_rotated(scope)
-    type(instance_type), intent(in) :: scope
-    is_rotated = scope%has_placement .and. any(abs(scope%turn - IDENTITY) > 1.0e-12_DP)
-  end function is_rotated
-
-
   !> A name or a number in terms of the model: NAME becomes INSTANCE.NAME, a number is shifted, INSTANCE.NUMBER too.
   function qualified_reference(work, scope, text, what) result(taken)
     type(flattening_type), intent(in) :: work
@@ -527,9 +471,12 @@ contains
     type(deck_messages_type), intent(inout) :: messages
     type(data_row_type) :: row
     character(:), allocatable :: text
-    integer :: n_left, n
+    integer :: n_left, n, n_direction
     n_left = 0                                   ! nodes of an element that are still missing
     n = 0
+    n_direction = 0                              ! of the row of the first direction of beams
+    if (is_one_of(cards%cards(c)%key, 'BEAMSECTION|BEAMGENERALSECTION')) n_direction = direction_row_number(cards, c, &
+      name_key(parameter_value(cards, c, 'SECTION')))
     call start_rows(cards%cards(c), row)
     do while (next_row(cards, row))
       n = n + 1
@@ -555,12 +502,8 @@ contains
           text = first_row(cards, work, row, scope, first_reference(cards, c), 1)
         end if
       case ('BEAMSECTION', 'BEAMGENERALSECTION')
-        if (is_rotated(scope)) then
-          call messages%add(cards%cards(c)%line, 'The section of beams inside a part whose instance is rotated is not ' // &
-            'supported: its first direction is a global one. Write it after *END ASSEMBLY, with the names INSTANCE.SET.')
-          return
-        end if
         text = line_text(cards, row%line)
+        if (is_rotated(scope) .and. n == n_direction) text = direction_row(cards, row, scope)
       case ('SHELLSECTION', 'SHELLGENERALSECTION')   ! the fourth field of a layer is an angle or the name of an orientation
         text = first_row(cards, work, row, scope, OF_NAME, merge(4, 0, has_name(cards, row, 4)))
       case ('NODALTHICKNESS', 'FOUNDATION')
@@ -579,8 +522,8 @@ contains
         text = distribution_row(cards, work, row, scope, system_of(cards, parameter_value(cards, c, 'NAME')))
       case ('DISTRIBUTIONTABLE', 'HOURGLASSSTIFFNESS', 'TRANSVERSESHEARSTIFFNESS')   ! as it is
         text = line_text(cards, row%line)
-      case ('CONTACTPAIR')
-        text = set_row(cards, work, row, scope, .false., OF_NAME)
+      case ('CONTACTPAIR', 'SUBMODEL')
+        text = set_row(cards, work, row, scope, .false., merge(OF_NAME, OF_NODE, cards%cards(c)%key == 'CONTACTPAIR'))
       case ('BOUNDARY', 'INITIALCONDITIONS')
         if (is_rotated(scope)) then
           call messages%add(cards%cards(c)%line, 'The card *' // cards%cards(c)%key // ' inside a part whose instance is ' // &
@@ -602,17 +545,11 @@ contains
       end select
       call append_line(work%flat, text, cards%line_file(row%line), cards%line_number(row%line))
     end do
+    if (n == 0 .or. n /= n_direction - 1 .or. .not. is_rotated(scope)) return
+    associate (line => cards%cards(c)%line)
+      call append_line(work%flat, direction_row(cards, scope=scope), cards%line_file(line), cards%line_number(line))
+    end associate
   end subroutine write_rows
-
-
-  !> Transforms a point of a part to its position in the instance.
-  pure function placed_point(scope, x) result(place)
-    type(instance_type), intent(in) :: scope
-    real(DP), intent(in) :: x(3)
-    real(DP) :: place(3)
-    place = x
-    if (scope%has_placement) place = scope%centre + matmul(scope%turn, x + scope%shift - scope%centre)
-  end function placed_point
 
 
   !> A row of NODE.
@@ -636,16 +573,6 @@ contains
     end do
     text = text // format_point(placed_point(scope, x))
   end function node_row
-
-
-  !> Three numbers, each after a comma, without loss.
-  function format_point(x) result(text)
-    real(DP), intent(in) :: x(3)
-    character(:), allocatable :: text
-    character(81) :: line
-    write (line, '(3(", ",es25.17e3))') x
-    text = trim(line)
-  end function format_point
 
 
   !> A row of ELEMENT: the first one of an element begins with its number.
@@ -758,39 +685,6 @@ contains
   end subroutine write_axes
 
 
-  !> A row of an analytic surface: points of axes, and those of a profile in the plane, transformed to the instance.
-  function profile_row(cards, row, scope, is_flat) result(text)
-    type(cards_type), intent(in) :: cards
-    type(data_row_type), intent(in) :: row
-    type(instance_type), intent(in) :: scope
-    logical, intent(in) :: is_flat               !< SEGMENTS
-    character(:), allocatable :: text
-    real(DP) :: x(3)
-    integer :: i, k, n, status
-    logical :: is_word
-    is_word = is_one_of(name_key(field_text(cards, row, 1)), 'START|LINE|CIRCL|PARAB')
-    n = merge(2, 3, is_flat)
-    text = ''
-    if (is_word) text = ', ' // field_text(cards, row, 1)
-    do i = merge(2, 1, is_word), row%n, n
-      x = 0
-      do k = i, min(i + n - 1, row%n)
-        call field_real(cards, row, k, x(k - i + 1), status)
-      end do
-      if (status /= NUMBER_OK .or. (is_word .and. .not. is_flat) .or. .not. scope%has_placement) then   ! as it is
-        do k = i, min(i + n - 1, row%n)
-          text = text // ', ' // field_text(cards, row, k)
-        end do
-        cycle
-      end if
-      x = placed_point(scope, x)
-      text = text // format_point(x)
-      if (is_flat) text = text(:index(text, ',', back=.true.) - 1)
-    end do
-    text = text(3:)
-  end function profile_row
-
-
   !> Whether the part or the instance of a scope has a distribution of a name.
   logical function has_own_distribution(cards, work, scope, name) result(is_own)
     type(cards_type), intent(in) :: cards
@@ -848,46 +742,5 @@ contains
     end do
     text = qualified_reference(work, scope, field_text(cards, row, 1), OF_ELEMENT) // placed_axes(scope, system, x)
   end function distribution_row
-
-
-  !> Two points of axes in the instance, each with a comma before: of axes through the origin they are only rotated.
-  function placed_axes(scope, system, x) result(text)
-    type(instance_type), intent(in) :: scope
-    character(*), intent(in) :: system           !< begins with C if cylindrical
-    real(DP), intent(in) :: x(6)
-    character(:), allocatable :: text
-    type(instance_type) :: mover
-    mover = scope
-    if (index(system, 'C') /= 1) then
-      mover%shift = 0
-      mover%centre = 0
-    end if
-    text = format_point(placed_point(mover, x(:3))) // format_point(placed_point(mover, x(4:)))
-  end function placed_axes
-
-
-  !> A row of ORIENTATION or TRANSFORM: the first has two points. Those of axes through the origin are only rotated.
-  function point_row(cards, row, scope, is_first, system) result(text)
-    type(cards_type), intent(in) :: cards
-    type(data_row_type), intent(in) :: row
-    type(instance_type), intent(in) :: scope
-    logical, intent(in) :: is_first
-    character(*), intent(in) :: system           !< begins with C if cylindrical
-    character(:), allocatable :: text
-    real(DP) :: x(6)
-    integer :: i, status
-    text = field_text(cards, row, 1)
-    do i = 2, row%n
-      text = text // ', ' // field_text(cards, row, i)
-    end do
-    if (.not. (is_first .and. scope%has_placement)) return
-    x = 0
-    do i = 1, min(6, row%n)
-      call field_real(cards, row, i, x(i), status)
-      if (status /= NUMBER_OK) return
-    end do
-    text = placed_axes(scope, system, x)
-    text = text(3:)
-  end function point_row
 
 end module amontons_deck_parts

@@ -54,6 +54,20 @@ def test_linear_field(run: Run, tmp_path: Path, kind: str) -> None:
     assert np.abs(results.displacements[-1] - expected).max() <= EXACT * np.abs(expected).max()
 
 
+@pytest.mark.parametrize("name", ["CUT", "I.CUT"])
+def test_card_in_the_assembly(run: Run, tmp_path: Path, name: str) -> None:
+    """*SUBMODEL between *ASSEMBLY and *END ASSEMBLY, as Abaqus/CAE writes it, with a set of the assembly or of an instance."""
+    run_job(run, tmp_path, "global", homogeneous_global(block("C3D8", (3, 2, 2), LOW, HIGH, shake=0.2), STEP))
+    mesh = small_block("C3D8")
+    deck = "*PART, NAME=P\n" + mesh.cards() + "*SOLID SECTION, ELSET=ALL, MATERIAL=M\n" + node_set("CUT", mesh.boundary_nodes()) + "*END PART\n"
+    deck += "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n*NSET, NSET=CUT\nI.CUT\n"
+    deck += CARD.format("global.vtkhdf").replace("\nCUT", f"\n{name}") + "*END ASSEMBLY\n" + LAW[:LAW.index("*SOLID")] + DRIVEN
+    run_job(run, tmp_path, "sub", deck)
+    results = read_results(tmp_path / "sub.vtkhdf")
+    expected = results.points @ GRADIENT.T
+    assert np.abs(results.displacements[-1] - expected).max() <= EXACT * np.abs(expected).max()
+
+
 @pytest.mark.parametrize("partitions", ["", "3"])
 def test_partitions(run: Run, tmp_path: Path, partitions: str) -> None:
     """A global file of several parts gives the same."""
