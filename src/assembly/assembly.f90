@@ -8,7 +8,7 @@ module amontons_assembly
   use amontons_element_kinds, only: KIND_C3D8I, KIND_C3D15, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
     KIND_GAPUNI, MAX_ELEMENT_NODES
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
-  use amontons_materials, only: material_type, MAX_HISTORY
+  use amontons_materials, only: material_type, CREEP_USER, MAX_HISTORY
   use amontons_model, only: DIALECT_CALCULIX, model_type, is_out, material_in_step, has_unsymmetric_elements
   use amontons_state, only: fields_type, state_type
   use amontons_sparse, only: sparse_type
@@ -21,7 +21,7 @@ module amontons_assembly
   use amontons_truss_spring_mass, only: spring_energy
   use amontons_element, only: evaluate_element_forces, evaluate_element_tangent, integration_points_type, ELEMENT_OK
   use amontons_layer_stack, only: is_stacked_triangle, load_stack_bending
-  use amontons_user_state, only: load_umat_points, store_umat_points, load_user_fields, has_invalid_fields, &
+  use amontons_user_state, only: load_creep_points, load_umat_points, store_umat_points, load_user_fields, has_invalid_fields, &
     is_deleted_element
   use amontons_user_material, only: DELETED_STIFFNESS
   implicit none
@@ -319,6 +319,7 @@ contains
       points%is_output_wanted = allocated(fields%stress)
       if (is_stacked_triangle(model, e)) call load_stack_bending(model, state, e, is_nlgeom, points)
       if (material%is_user) call load_umat_points(model, state, e, is_nlgeom, points)
+      if (material%creep_law == CREEP_USER) call load_creep_points(model, state, e, is_nlgeom, points%creep)
       call set_element_configuration(model%mesh, e, fields, X, u)
       call evaluate_element_forces(model%mesh%kind(e), material, X(:, :n), u(:, :n), is_nlgeom, force, points, status)
       if (status /= ELEMENT_OK .or. has_invalid_fields(model, fields, e)) then
@@ -604,6 +605,8 @@ contains
     is_gone = is_deleted_element(model, state%old, e)
     if (model%materials(element_material(model, state%new%step, e))%is_user .and. .not. is_gone) call load_umat_points(model, &
       state, e, is_nlgeom, points)
+    if (model%materials(element_material(model, state%new%step, e))%creep_law == CREEP_USER) call load_creep_points(model, state, &
+      e, is_nlgeom, points%creep)
     call set_element_configuration(model%mesh, e, state%new, X, u)
     if (is_gone) u(:, :n) = 0                      ! that at rest keeps the matrix regular, however far its nodes move
     call evaluate_element_tangent(model%mesh%kind(e), model%materials(element_material(model, state%new%step, e)), &

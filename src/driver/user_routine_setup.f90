@@ -9,10 +9,11 @@ module amontons_user_routine_setup
   use amontons_user_routines, only: user_library_type, umat_type, open_routines, close_routines, has_routine, &
     collect_user_messages, pass_job_name, uamp_type, call_uamp, call_uexternaldb, LOP_JOB_START, LOP_INCREMENT_START, &
     LOP_STEP_START, USER_NAME_LENGTH, ROUTINE_NAMES, ROUTINE_UMAT, ROUTINE_UAMP, ROUTINE_DLOAD, ROUTINE_UTRACLOAD, &
-    ROUTINE_DISP, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD
+    ROUTINE_DISP, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_SDVINI, ROUTINE_UEL, ROUTINE_USDFLD, &
+    ROUTINE_CREEP
   use amontons_loads, only: amplitude_type, DISTRIBUTED_TRACTION
   use amontons_surfaces, only: interaction_type, BEHAVIOR_USER
-  use amontons_materials, only: material_type
+  use amontons_materials, only: material_type, CREEP_USER
   use amontons_user_state, only: find_point_at_rest, field_library
   use amontons_state, only: state_type, fields_type
   use amontons_user_material, only: find_initial_tangent
@@ -45,8 +46,11 @@ contains
     if (allocated(error)) return
     do m = 1, size(model%materials)
       associate (material => model%materials(m))
+        if (material%creep_law == CREEP_USER) call check_routine(model%routines, file_of(material, options), ROUTINE_CREEP, &
+          'The material ''' // material%name // '''', error)
+        if (allocated(error)) return
+        if (material%is_user .or. material%creep_law == CREEP_USER) material%routines = model%routines
         if (.not. material%is_user) cycle
-        material%routines = model%routines
         if (allocated(material%library)) call open_material_library(model, options, m, error)
         if (allocated(error)) return
         call check_routine(material%routines, file_of(material, options), ROUTINE_UMAT, 'The material ''' // material%name // &

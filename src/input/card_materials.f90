@@ -128,11 +128,12 @@ contains
     call table%add_dialect_note('It turns NLGEOM on for all steps under calculix, with Almansi''s strain.')
     call table%card('CREEP', SCOPE_MODEL, 'Creep, in VISCO steps only. t is the total time of the job, e the ' // &
       'equivalent creep strain.', &
-      parent='MATERIAL', data='A, n, m, temperature')
-    call table%option('LAW', VALUE_WORD, 'TIME: rate A q^n t^m; STRAIN: (A q^n ((m+1) e)^m)^(1/(m+1)); NORTON: TIME.', &
-      allowed='TIME|STRAIN|NORTON', default='TIME (abaqus), NORTON (calculix)')
-    call table%reject_words('USER|HYPERB|ANAND|DARVEAUX|DOUBLE POWER|TIMEPOWER|STRAINPOWER|HYPERBOLIC|BASE FUNCTION', &
-      'Use TIME, STRAIN or NORTON.')
+      parent='MATERIAL', data='A, n, m, temperature; USER: none')
+    call table%option('LAW', VALUE_WORD, 'TIME: rate A q^n t^m; STRAIN: (A q^n ((m+1) e)^m)^(1/(m+1)); NORTON: TIME; ' // &
+      'USER: the routine CREEP of the user, amontons job user=file.', allowed='TIME|STRAIN|NORTON|USER', &
+      default='TIME (abaqus), NORTON (calculix)')
+    call table%reject_words('HYPERB|ANAND|DARVEAUX|DOUBLE POWER|TIMEPOWER|STRAINPOWER|HYPERBOLIC|BASE FUNCTION', &
+      'Use TIME, STRAIN, NORTON or USER.')
     call table%option('TIME', VALUE_WORD, 'Time of LAW=TIME.', allowed='TOTAL', default='TOTAL')
     call table%reject_words('CREEP', 'Time counts from the start of the job.')
     call describe_field_variables(table)

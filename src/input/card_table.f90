@@ -822,7 +822,7 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'TENSION CUTOFF', 'Give the law by a routine UMAT (*USER MATERIAL), whose DDSDDE ' // &
       'need not be symmetric.')
     call table%cards_with(ENTRY_REJECTED, 'USER SECTION', &
-      'Of the user subroutines there are UMAT, UEL, USDFLD, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
+      'Of the user subroutines there are UMAT, UEL, USDFLD, CREEP, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
     call table%cards_with(ENTRY_REJECTED, 'PRESSURE STRESS|MASS FLOW RATE', &

@@ -5,6 +5,7 @@ module amontons_deck_materials
   use amontons_cards, only: parameter_type, data_row_type, next_row, field_text
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
   use amontons_deck_cap, only: read_cap, read_cap_hardening, is_cap_complete
+  use amontons_deck_creep, only: read_creep, check_user_creep
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
   use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history, is_creep_by_name
   use amontons_deck_property_tables, only: read_table, read_curves
@@ -19,7 +20,7 @@ module amontons_deck_materials
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, is_linear_elastic, &
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
     CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
-    CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, INELASTIC_NONE, INELASTIC_CRYSTAL, &
+    CREEP_NONE, INELASTIC_NONE, INELASTIC_CRYSTAL, &
     HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, USER_STATE, user_field_place
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_user_routines, only: USER_NAME_LENGTH
@@ -65,6 +66,7 @@ contains
       associate (material => model%materials(m))
         if (material%is_user) material%n_fields = max(n_fields, merge(1, 0, material%is_user_field))
         call check_material(reader, line(m), material)
+        call check_user_creep(reader, line(m), n_fields, material)
       end associate
     end do
   end subroutine read_materials
@@ -735,25 +737,6 @@ contains
         'The yield stress and the offset must be positive and the exponent at least 1.')
     end do
   end subroutine read_deformation
-
-
-  !> CREEP.
-  subroutine read_creep(reader, c, material)
-    type(reader_type), intent(inout) :: reader
-    integer, intent(in) :: c
-    type(material_type), intent(inout) :: material
-    type(data_row_type) :: row
-    type(parameter_type), allocatable :: parameters(:)
-    logical :: is_ok
-    call open_card(reader, c, parameters, row)
-    material%creep_law = merge(CREEP_STRAIN_HARDENING, CREEP_TIME_HARDENING, parameter_word(parameters, 'LAW', 'TIME') &
-      == 'STRAIN')
-    call read_table(reader, c, 3, material%creep, is_ok)
-    if (.not. is_ok) return
-    if (any(material%creep%value(1, :) <= 0) .or. any(material%creep%value(2, :) <= 0) .or. &
-      any(material%creep%value(3, :) <= -1) .or. any(material%creep%value(3, :) > 0)) call report_error(reader, &
-      reader%cards%cards(c)%line, 'Creep needs A and n positive, and m above -1 and not above 0.')
-  end subroutine read_creep
 
 
   !> HYPERELASTIC: constants in the order of the kind; D1 = 0 becomes 0.1/G.

@@ -7,6 +7,7 @@ module amontons_element_integration_points
   use amontons_tensor, only: IDENTITY, determinant_minus_one
   use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_ELEMENT_AMPLITUDES
   use amontons_user_material, only: umat_point_type
+  use amontons_user_routines, only: creep_type
   implicit none
   private
   public :: integration_points_type, set_point_input, store_point_output, store_point_history, split_unsymmetric_tangent
@@ -43,6 +44,7 @@ module amontons_element_integration_points
     real(DP) :: elapsed_time = 0                   !< length of the increment, of rates that count in every step [time]
     real(DP), allocatable :: inner_old(:, :)       !< (n_inner, MAX_ELEMENT_POINTS) committed history of a law beyond MAX_HISTORY
     type(umat_point_type), allocatable :: user(:)  !< (points) of a user's material
+    type(creep_type), allocatable :: creep(:)      !< (points) what a routine CREEP gets
     real(DP) :: modes_old(MAX_ELEMENT_AMPLITUDES) = 0   !< committed amplitudes of the incompatible modes, without the mean
                                                    !! deformation, or of hourglass modes that have flowed [length], and the energy
                                                    !! that this dissipated
@@ -86,6 +88,9 @@ contains
     point%elapsed_time = points%elapsed_time
     point%history_old = points%history_old(:, p)
     if (allocated(points%inner_old)) point%inner_old = points%inner_old(:, p)
+    if (allocated(points%creep)) then
+      if (p <= size(points%creep)) point%creep = points%creep(p)
+    end if
     if (.not. allocated(points%user)) return
     if (p <= size(points%user)) point%user = points%user(p)
   end subroutine set_point_input

@@ -18,11 +18,10 @@ module amontons_material_point
   use amontons_logarithmic_strain, only: log_strain_axes_type, find_log_strain_axes, push_forward_log_law, voigt_transformation, &
     tensor_log, tensor_exp, find_small_principal_strains, small_principal_tangent, principal_strains_type, left_cauchy_green, &
     find_principal_strains, tensor_from_principal, principal_tangent, expm1, log1p
-  use amontons_materials, only: material_type, evaluate_table, LAW_SAINT_VENANT, &
-    ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, &
-    ELASTIC_CIARLET, ELASTIC_FIBRES, is_hyperelastic, is_one_sided, is_law_of_invariants, MAX_CONSTANTS, MAX_HISTORY, &
-    HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, YIELD_ROUND, INELASTIC_NONE, &
-    INELASTIC_LINEAR, INELASTIC_CRYSTAL_CREEP, CREEP_NONE
+  use amontons_materials, only: material_type, evaluate_table, LAW_SAINT_VENANT, ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, &
+    ELASTIC_HYPER, ELASTIC_FOAM, ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, is_hyperelastic, &
+    is_one_sided, is_law_of_invariants, MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, &
+    HISTORY_STRETCH, YIELD_ROUND, INELASTIC_NONE, INELASTIC_LINEAR, INELASTIC_CRYSTAL_CREEP, CREEP_NONE
   use amontons_invariant_elasticity, only: invariant_law_stress, invariant_law_at_rest
   use amontons_one_sided_elasticity, only: one_sided_stress
   use amontons_plasticity, only: return_mapping_type, anisotropic_return_type, map_radial_return, map_anisotropic_return, &
@@ -35,15 +34,15 @@ module amontons_material_point
   use amontons_drucker_prager_cap, only: map_cap_return
   use amontons_viscoelasticity, only: viscoelastic_stress, relax_finite_stress
   use amontons_lode_angle_return, only: principal_return_type, map_principal_return
-  use amontons_elasticity, only: hooke_stress, lame_constants, isotropic_tangent, isochoric_tangent, elasticity_matrix, &
-    deviator, green_strain, green_strain_of_stretch, almansi_strain, check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
-  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, &
-    pack_voigt, push_forward, unpack_voigt, von_mises
+  use amontons_elasticity, only: hooke_stress, lame_constants, isotropic_tangent, isochoric_tangent, elasticity_matrix, deviator, &
+    green_strain, green_strain_of_stretch, almansi_strain, check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
+  use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, pack_voigt, push_forward, &
+    unpack_voigt, von_mises
+  use amontons_user_routines, only: creep_type
   use amontons_user_material, only: umat_point_type, evaluate_umat, transverse_energy
   implicit none
   private
-  public :: material_point_type, update_material_point, cut_stress, elastic_strain_from_stress, evaluate_thermal_strain, &
-    SQRT_3_2
+  public :: material_point_type, update_material_point, cut_stress, elastic_strain_from_stress, evaluate_thermal_strain, SQRT_3_2
 
   !> Input and output of a material point. The committed history is read, never written.
   type :: material_point_type
@@ -62,6 +61,7 @@ module amontons_material_point
     real(DP), allocatable :: inner_old(:)          !< committed history of a law beyond MAX_HISTORY
     real(DP) :: history_old(MAX_HISTORY)                  !< committed history
     type(umat_point_type), allocatable :: user     !< more of a user's material; not there: at rest
+    type(creep_type), allocatable :: creep         !< what a routine CREEP gets
     logical :: is_tangent_wanted = .true.          !< if not, the tangent is not set
     logical :: is_output_wanted = .true.           !< if not, finite strain, energy and history need not be set
     logical :: is_cut_later = .false.              !< NO COMPRESSION, NO TENSION: the caller calls cut_stress
@@ -326,11 +326,9 @@ contains
     else if (moduli%is_isotropic) then
       point%stress = hooke_stress(moduli%lambda, moduli%G, elastic)
       point%tangent = isotropic_tangent(moduli%lambda, moduli%G)
-      if (point%is_flow_frozen) then
-        point%history = point%history_old
-      else if (material%yield_surface /= YIELD_ROUND) then
+      if (material%yield_surface /= YIELD_ROUND .and. .not. point%is_flow_frozen) then
         call return_along_axes(material, moduli, elastic, point, status)
-      else if (is_inelastic(material)) then
+      else if (is_inelastic(material) .and. .not. point%is_flow_frozen) then
         call return_to_yield_surface(material, moduli, point, status)
       end if
       elastic = strain - moduli%thermal - point%history(HISTORY_INELASTIC:HISTORY_INELASTIC + 5)
@@ -412,7 +410,7 @@ contains
     type(material_type), intent(in) :: material
     type(moduli_type), intent(in) :: moduli
     real(DP), intent(in) :: trial(2)               !< von Mises stress and pressure [stress]
-    type(material_point_type), intent(in) :: point
+    type(material_point_type), intent(inout) :: point
     type(return_mapping_type), intent(out) :: response
     integer, intent(out) :: status                 !< STRESS_...
     integer :: return_status
@@ -423,8 +421,9 @@ contains
       call map_cone_return(material, [moduli%G, moduli%lambda + 2 * moduli%G / 3], trial, table_argument(material, point), &
         point%history_old(HISTORY_PEEQ), response, return_status)
     else
+      if (allocated(point%creep)) point%creep%p = trial(2)
       call map_radial_return(material, moduli%G, trial(1), table_argument(material, point), creep_times(point), &
-        point%history_old, response, return_status)
+        point%history_old, response, return_status, point%creep)
     end if
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
   end subroutine map_return
@@ -774,8 +773,9 @@ contains
     modulus = moduli%G * scale * (3 + sum(b(:3))) / 3
     s = deviator(moduli%G * scale * b - k)
     size = sqrt(double_dot(s, s))
+    if (allocated(point%creep)) point%creep%p = -(moduli%lambda + 2 * moduli%G / 3) * j_minus_one * (j_minus_one + 2) / (2 * J)
     call map_radial_return(material, modulus / J, SQRT_3_2 * size / J, table_argument(material, point), &
-      creep_times(point), point%history_old, back, return_status)
+      creep_times(point), point%history_old, back, return_status, point%creep)
     status = merge(STRESS_OK, STRESS_NOT_FINITE, return_status == RETURN_OK)
     if (status /= STRESS_OK) return
     call set_isochoric_response(deviator(moduli%G * scale * b), modulus, moduli%G, moduli%lambda + 2 * moduli%G / 3, j_minus_one, &

@@ -7,10 +7,12 @@
 !! Neto, D. Peric, D. R. J. Owen, Computational Methods for Plasticity (2008), sections 7.3, 7.6, 12.
 module amontons_plasticity
   use amontons_kinds, only: DP
-  use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS, TOL_ROOT
+  use amontons_scalar_root, only: root_search_type, improve_root, MAX_ROOT_ITERATIONS
   use amontons_materials, only: material_type, hardening_curve_type, evaluate_curves, evaluate_table, CREEP_NONE, &
-    CREEP_TIME_HARDENING, RATE_NONE, LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
+    CREEP_TIME_HARDENING, CREEP_USER, RATE_NONE, LAW_SAINT_VENANT, HISTORY_PEEQ, HISTORY_CEEQ, MAX_HISTORY
   use amontons_rate_dependent_yield, only: yield_point_type, evaluate_rate_yield, estimate_rate_flow
+  use amontons_user_routines, only: creep_type, call_creep, USER_NAME_LENGTH
+  use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   implicit none
   private
   public :: return_mapping_type, anisotropic_return_type, map_radial_return, return_to_curve, is_inelastic, &
@@ -50,6 +52,7 @@ module amontons_plasticity
     real(DP) :: mean_start                         !< of the mean of time hardening, which ends with the increment [time]
     real(DP) :: creep(3)                           !< A, n, m
     real(DP) :: elapsed                            !< time that rates of plastic strain count by [time]
+    type(creep_type) :: user = creep_type()        !< what CREEP gets of the point
   end type return_problem_type
 
   !> The yield condition evaluated at its unknown: the plastic increment, or that of a rate law.
@@ -78,7 +81,7 @@ contains
   !! | isotropic | curve at p | 0 |
   !! | kinematic | first value of the curve | grows by the curve's growth |
   !! | combined | curve of CYCLIC HARDENING at p | grows by the growth of the PLASTIC curve |
-  pure subroutine map_radial_return(material, G, q_trial, temperature, times, history_old, solution, status)
+  pure subroutine map_radial_return(material, G, q_trial, temperature, times, history_old, solution, status, user)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: G                      !< shear modulus [stress]
     real(DP), intent(in) :: q_trial                !< von Mises stress of trial deviator less back stress [stress]
@@ -88,6 +91,7 @@ contains
     real(DP), intent(in) :: history_old(MAX_HISTORY)      !< committed
     type(return_mapping_type), intent(out) :: solution
     integer, intent(out) :: status                 !< RETURN_...
+    type(creep_type), intent(in), optional :: user !< what CREEP gets of the point
     type(return_problem_type) :: problem
     real(DP) :: slope
     if (has_one_curve(material)) then
@@ -97,7 +101,8 @@ contains
     status = RETURN_OK
     problem = return_problem_type(G=G, q_trial=q_trial, temperature=temperature, time=times(1), dt=times(2), mean_start=times(3), &
       p_old=history_old(HISTORY_PEEQ), c_old=history_old(HISTORY_CEEQ), back_old=0, creep=0, elapsed=times(4))
-    if (material%creep_law /= CREEP_NONE) call evaluate_table(material%creep, temperature, problem%creep)
+    if (present(user)) problem%user = user
+    if (allocated(material%creep%value)) call evaluate_table(material%creep, temperature, problem%creep)
     if (allocated(material%kinematic_hardening)) call evaluate_curves(material%kinematic_hardening, temperature, problem%p_old, &
       problem%back_old, slope)
     if (material%creep_law /= CREEP_NONE .and. times(2) > 0 .and. q_trial > 0) &
@@ -270,22 +275,26 @@ contains
   end subroutine evaluate_yield_stress
 
 
-  !> The creep increment at a given stress, and its derivative by the plastic increment.
+  !> The creep increment at a given stress, and its derivative by the plastic increment: c - dt rate(q, c) = 0, at once where the
+  !! rate does not depend on c. Not a number where there is none.
   pure subroutine evaluate_creep_increment(material, problem, q, q_slope, c, dc)
     type(material_type), intent(in) :: material
     type(return_problem_type), intent(in) :: problem
     real(DP), intent(in) :: q, q_slope             !< stress and its derivative [stress]
     real(DP), intent(out) :: c, dc                 !< [-]
+    type(root_search_type) :: search
     real(DP) :: rate, rate_q, rate_c
     integer :: i
     c = 0
     dc = 0
     if (material%creep_law == CREEP_NONE .or. .not. problem%dt > 0) return
-    do i = 1, MAX_ROOT_ITERATIONS                        ! a fixed point for strain hardening, at once for time hardening
-      call evaluate_creep_rate(material, problem, q, c, rate, rate_q, rate_c)
-      if (abs(c - problem%dt * rate) <= TOL_ROOT * problem%dt * rate) exit
-      c = problem%dt * rate
+    do i = 1, MAX_ROOT_ITERATIONS
+      call evaluate_creep_rate(material, problem, q, search%x, rate, rate_q, rate_c)
+      call improve_root(search, search%x - problem%dt * rate, 1 - problem%dt * rate_c)
+      if (search%is_found) exit
     end do
+    c = search%x
+    if (.not. search%is_found) c = ieee_value(c, ieee_quiet_nan)
     dc = problem%dt * rate_q * q_slope / (1 - problem%dt * rate_c)
   end subroutine evaluate_creep_increment
 
@@ -307,6 +316,10 @@ contains
     rate_q = 0
     rate_c = 0
     if (.not. q > 0 .or. c < 0) return
+    if (material%creep_law == CREEP_USER) then
+      call evaluate_user_rate(material, problem, q, c, rate, rate_q, rate_c)
+      return
+    end if
     associate (A => problem%creep(1), n => problem%creep(2), m => problem%creep(3), time => problem%time, dt => problem%dt)
       s = A * q**n
       k = m + 1
@@ -328,18 +341,44 @@ contains
   end subroutine evaluate_creep_rate
 
 
+  !> The rate by the routine CREEP; not a number where the routine ends the job.
+  pure subroutine evaluate_user_rate(material, problem, q, c, rate, rate_q, rate_c)
+    type(material_type), intent(in) :: material
+    type(return_problem_type), intent(in) :: problem
+    real(DP), intent(in) :: q                      !< von Mises stress [stress]
+    real(DP), intent(in) :: c                      !< creep strain of the increment [-]
+    real(DP), intent(out) :: rate                  !< [1/time]
+    real(DP), intent(out) :: rate_q                !< d rate/dq
+    real(DP), intent(out) :: rate_c                !< d rate/dc
+    type(creep_type) :: values
+    character(USER_NAME_LENGTH) :: name
+    name = material%name
+    values = problem%user
+    values%qtild = q
+    values%ec = [problem%c_old, problem%c_old + c]
+    values%dtime = problem%dt
+    call call_creep(material%routines, name, values)
+    rate = values%decra(1) / problem%dt
+    rate_q = values%decra(5) / problem%dt
+    rate_c = values%decra(2) / problem%dt
+    if (values%is_accepted == 0) rate = ieee_value(rate, ieee_quiet_nan)
+  end subroutine evaluate_user_rate
+
+
   !> What CETOL limits: the difference of the creep strains of an increment by the conditions at its end and at its start [-].
   !!
   !! | law | by |
   !! |---|---|
   !! | LAW_SAINT_VENANT, as CalculiX | the rates of the two instants; a rate at the start without creep before it counts as zero |
+  !! | CREEP_USER | the increments that CREEP gives for the stresses of the two instants |
   !! | other | the stresses of the two instants, with t or e integrated: a constant stress has none |
-  pure function creep_strain_difference(material, temperature, times, c, q) result(difference)
+  pure function creep_strain_difference(material, temperature, times, c, q, user) result(difference)
     type(material_type), intent(in) :: material
     real(DP), intent(in) :: temperature(2)         !< at the start and at the end [temperature]
     real(DP), intent(in) :: times(2)               !< end and length of the increment [time]
     real(DP), intent(in) :: c(2)                   !< creep strains at the start and at the end [-]
     real(DP), intent(in) :: q(2)                   !< von Mises stresses, likewise [stress]
+    type(creep_type), intent(in), optional :: user !< what CREEP gets of the point
     real(DP) :: difference
     type(return_problem_type) :: problem
     real(DP) :: strain(2), unused(2)
@@ -349,8 +388,9 @@ contains
       if (.not. (q(i) > 0 .and. times(2) > 0)) cycle
       problem = return_problem_type(G=0, q_trial=0, temperature=temperature(i), time=times(1), dt=times(2), &
         mean_start=times(1) - times(2), p_old=0, c_old=c(1), back_old=0, creep=0, elapsed=times(2))
-      call evaluate_table(material%creep, temperature(i), problem%creep)
-      if (material%law == LAW_SAINT_VENANT) then
+      if (present(user)) problem%user = user
+      if (allocated(material%creep%value)) call evaluate_table(material%creep, temperature(i), problem%creep)
+      if (material%law == LAW_SAINT_VENANT .and. material%creep_law /= CREEP_USER) then
         if (i == 1) problem%time = problem%mean_start
         strain(i) = times(2) * instantaneous_rate(material, problem, q(i), c(i))
       else
@@ -438,7 +478,7 @@ contains
     call set_anisotropic_stress(C, e, 0.0_DP, solution)
     problem%q_trial = solution%q
     if (material%creep_law /= CREEP_NONE .and. times(2) > 0 .and. problem%q_trial > 0) then
-      call evaluate_table(material%creep, temperature, problem%creep)
+      if (allocated(material%creep%value)) call evaluate_table(material%creep, temperature, problem%creep)
       call solve_anisotropic_flow(material, problem, C, e, .false., solution, status)
     end if
     if (status /= RETURN_OK) return

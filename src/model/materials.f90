@@ -15,7 +15,7 @@ module amontons_materials
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
-  public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING
+  public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, CREEP_USER
   public :: RATE_NONE, RATE_POWER, RATE_RATIO, RATE_CURVES, rate_curves_type
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH
   public :: verdict_place, user_field_place
@@ -56,6 +56,7 @@ module amontons_materials
   integer, parameter :: CREEP_NONE = 0
   integer, parameter :: CREEP_TIME_HARDENING = 1     !< rate = A q^n t^m
   integer, parameter :: CREEP_STRAIN_HARDENING = 2   !< rate = (A q^n ((m + 1) e)^m)^(1/(m + 1))
+  integer, parameter :: CREEP_USER = 3               !< the increment by the routine CREEP
 
   integer, parameter :: RATE_NONE = 0           !< the yield stress does not depend on the rate of plastic strain
   integer, parameter :: RATE_POWER = 1          !< rate = D (ratio - 1)^n, the ratio of the yield stress to the static one
@@ -171,7 +172,7 @@ module amontons_materials
     logical :: has_deformation_plasticity = .false.
     type(property_table_type) :: deformation_plasticity             !< E, nu, yield stress, n, alpha of the Ramberg-Osgood law
     integer :: creep_law = CREEP_NONE
-    type(property_table_type) :: creep                   !< A, n, m
+    type(property_table_type) :: creep                   !< A, n, m; unallocated: CREEP_USER
     integer :: inelastic_law = INELASTIC_NONE   !< flow of an anisotropic elasticity by INELASTIC_...
     type(property_table_type) :: inelastic      !< its constants
     real(DP), allocatable :: prony(:, :)        !< (3, terms) g, k [-] and tau [time] of viscoelasticity, whose elasticity is the

@@ -208,11 +208,20 @@ typedef void utracload_routine(double *alpha, double *t_user, const int *kstep, 
 /* JLTYP / 10 of shear tractions. */
 enum { SHEAR_TRACTIONS = 51 };
 
+/* Ends the job with a message. */
+static void stop_with(routines *self, const char *text)
+{
+  const size_t length = strlen(text);
+  if ((size_t)self->n_text + length + 1 <= TEXT_CAPACITY) {
+    memcpy(self->text + self->n_text, text, length);
+    self->n_text += (int)length;
+  }
+  self->is_stopped = XIT_CALLED;
+}
+
 /* Ends the job where a magnitude has no direction, or a shear traction none along the face. */
 static void check_direction(routines *self, double alpha, const double *t_user, const double *normal, int jltyp)
 {
-  static const char text[] = "*ERROR: UTRACLOAD gives a magnitude without a direction: T_USER is zero, or normal to a face under "
-                             "shear.\n";
   const double smallest = 1e-6;   /* part along the face of a unit vector */
   double along[3], size = 0, part = 0;
   const double across = t_user[0] * normal[0] + t_user[1] * normal[1] + t_user[2] * normal[2];
@@ -222,11 +231,7 @@ static void check_direction(routines *self, double alpha, const double *t_user, 
     part += along[i] * along[i];
   }
   if (alpha == 0 || (size > 0 && sqrt(part) >= smallest * sqrt(size))) return;
-  if ((size_t)self->n_text + sizeof text <= TEXT_CAPACITY) {
-    memcpy(self->text + self->n_text, text, sizeof text - 1);
-    self->n_text += (int)sizeof text - 1;
-  }
-  self->is_stopped = XIT_CALLED;
+  stop_with(self, "*ERROR: UTRACLOAD gives a magnitude without a direction: T_USER is zero, or normal to a face under shear.\n");
 }
 
 /* UTRACLOAD: magnitude and direction of a traction at a point of a face. `counts` as of DLOAD; `dircos`: its axes, the third is
@@ -242,6 +247,47 @@ void amontons_user_utracload(void *handle, double *alpha, double *t_user, const 
                   NAME_LENGTH),
         check_direction(self, *alpha, t_user, dircos + 6, counts[4])));
   *is_taken = !self->is_stopped;
+}
+
+typedef void creep_routine(double *decra, double *deswa, double *statev, double *serd, const double *ec, const double *esw,
+                           const double *p, const double *qtild, const double *temp, const double *dtemp, const double *predef,
+                           const double *dpred, const double *time, const double *dtime, const char *cmname, const int *leximp,
+                           const int *lend, const double *coords, const int *nstatv, const int *noel, const int *npt,
+                           const int *layer, const int *kspt, const int *kstep, const int *kinc, size_t n_cmname);
+
+/* creep_type of user_routines.f90. */
+typedef struct {
+  double decra[5], ec[2], p, qtild, temp, dtemp, time[3], dtime, coords[3];
+  int noel, npt, step, increment;
+  int is_taken;
+} creep_values;
+
+/* Ends the job where CREEP gives what is no creep. */
+static void check_creep(routines *self, double decra, double deswa)
+{
+  if (deswa != 0)
+    stop_with(self, "*ERROR: CREEP gives a swelling, DESWA(1), which is not supported.\n");
+  else if (decra < 0)
+    stop_with(self, "*ERROR: CREEP gives a negative increment of the creep strain, DECRA(1).\n");
+}
+
+/* CREEP: implicit, at the end of the increment, without STATEV and field variables. */
+void amontons_user_creep(void *handle, const char *cmname, creep_values *v)
+{
+  routines *self = handle;
+  const int one = 1, none = 0;
+  const double nothing[2] = {0};
+  double deswa[5] = {0}, serd = 0, copy[N_GUARDS], no_state[1];
+  creep_routine *creep = (creep_routine *)(uintptr_t)self->routine[CREEP];
+  const call_place where = {CREEP, v->noel, v->npt, 0, v->step, v->increment};
+  memset(v->decra, 0, sizeof v->decra);
+  guard(copy, no_state, none);
+  CALL(self, where,
+       (creep(v->decra, deswa, copy, &serd, v->ec, nothing, &v->p, &v->qtild, &v->temp, &v->dtemp, nothing, nothing, v->time,
+              &v->dtime, cmname, &one, &one, v->coords, &none, &v->noel, &v->npt, &one, &one, &v->step, &v->increment, NAME_LENGTH),
+        check_creep(self, v->decra[0], deswa[0])));
+  take_guarded(self, copy, no_state, none);
+  v->is_taken = !self->is_stopped;
 }
 
 typedef void disp_routine(double *u, const int *kstep, const int *kinc, const double *time, const int *node, const int *noel,

@@ -14,16 +14,17 @@ module amontons_user_routines
   public :: user_library_type, umat_type, uamp_type, open_routines, close_routines, has_routine, collect_user_messages, &
     pass_job_name
   public :: fric_type, uinter_type, call_fric, call_uinter, uel_type, call_uel, usdfld_type, call_usdfld
+  public :: creep_type, call_creep
   public :: call_umat, call_sdvini, call_dload, call_utracload, call_disp, call_uamp, call_uexternaldb
   public :: LOP_JOB_START, LOP_INCREMENT_START, LOP_INCREMENT_END, LOP_JOB_END, LOP_RESTART, LOP_STEP_START, LOP_STEP_END
   public :: ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_UEL, &
-    ROUTINE_USDFLD, ROUTINE_UEXTERNALDB, ROUTINE_UTRACLOAD, ROUTINE_NAMES, USER_NAME_LENGTH
+    ROUTINE_USDFLD, ROUTINE_UEXTERNALDB, ROUTINE_UTRACLOAD, ROUTINE_CREEP, ROUTINE_NAMES, USER_NAME_LENGTH
 
   integer, parameter :: ROUTINE_UMAT = 0, ROUTINE_FRIC = 1, ROUTINE_UINTER = 2, ROUTINE_DLOAD = 3, ROUTINE_DISP = 4, &
     ROUTINE_UAMP = 5, &
-    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7, ROUTINE_USDFLD = 8, ROUTINE_UEXTERNALDB = 9, ROUTINE_UTRACLOAD = 10
-  character(11), parameter :: ROUTINE_NAMES(0:10) = [character(11) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
-    'SDVINI', 'UEL', 'USDFLD', 'UEXTERNALDB', 'UTRACLOAD']
+    ROUTINE_SDVINI = 6, ROUTINE_UEL = 7, ROUTINE_USDFLD = 8, ROUTINE_UEXTERNALDB = 9, ROUTINE_UTRACLOAD = 10, ROUTINE_CREEP = 11
+  character(11), parameter :: ROUTINE_NAMES(0:11) = [character(11) :: 'UMAT', 'FRIC', 'UINTER', 'DLOAD', 'DISP', 'UAMP', &
+    'SDVINI', 'UEL', 'USDFLD', 'UEXTERNALDB', 'UTRACLOAD', 'CREEP']
 
   ! LOP of UEXTERNALDB: when it is called.
   integer, parameter :: LOP_JOB_START = 0, LOP_INCREMENT_START = 1, LOP_INCREMENT_END = 2, LOP_JOB_END = 3, LOP_RESTART = 4, &
@@ -57,6 +58,19 @@ module amontons_user_routines
     integer(c_int) :: is_accepted = 0                 !< out; 1: valid result; 2: PNEWDT < 1; 0: XIT
     integer(c_int) :: ndi = 3, nshr = 3            !< normal and shear components passed to UMAT; the others are zero
   end type umat_type
+
+  !> Arguments of CREEP except names; implicit, at the end of the increment.
+  type, bind(C) :: creep_type
+    real(c_double) :: decra(5) = 0                 !< out: increment of the creep strain, its derivatives by EC, swelling, P, QTILD
+    real(c_double) :: ec(2) = 0                    !< creep strain at the start and at the end [-]
+    real(c_double) :: p = 0, qtild = 0             !< pressure, von Mises stress [stress]
+    real(c_double) :: temp = 0, dtemp = 0          !< at the end, and its change in the increment [temperature]
+    real(c_double) :: time(3) = 0                  !< step, total, creep, at the end of the increment [time]
+    real(c_double) :: dtime = 0                    !< [time]
+    real(c_double) :: coords(3) = 0                !< of the point [length]
+    integer(c_int) :: noel = 0, npt = 0, step = 0, increment = 0
+    integer(c_int) :: is_accepted = 0              !< out; 0: XIT
+  end type creep_type
 
   !> Arguments of UAMP except properties and variables.
   type, bind(C) :: uamp_type
@@ -211,6 +225,13 @@ module amontons_user_routines
       type(umat_type), intent(inout) :: values
     end subroutine umat_c
 
+    pure subroutine creep_c(handle, cmname, values) bind(C, name='amontons_user_creep')
+      import :: c_char, c_ptr, creep_type
+      type(c_ptr), value :: handle
+      character(kind=c_char), intent(in) :: cmname(*)
+      type(creep_type), intent(inout) :: values
+    end subroutine creep_c
+
     pure subroutine sdvini_c(handle, statev, nstatv, coords, noel, npt, is_taken) bind(C, name='amontons_user_sdvini')
       import :: c_double, c_int, c_ptr
       type(c_ptr), value :: handle
@@ -290,7 +311,7 @@ contains
       call set_error(error, EXIT_IO, who // 'cannot be loaded: ' // text_before_null(message) // '.')
     case (LIBRARY_NO_ROUTINE)
       call set_error(error, EXIT_SETUP, who // 'hold none of UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD, ' // &
-        'UEXTERNALDB, UTRACLOAD (as umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
+        'UEXTERNALDB, UTRACLOAD, CREEP (as umat_, ..., the name that a Fortran compiler gives a SUBROUTINE UMAT).')
     case default
       call set_error(error, EXIT_SOLVER, who // 'cannot be opened: there is no memory.')
     end select
@@ -365,6 +386,15 @@ contains
     given(:size(fields, 1), :) = fields
     call umat_c(routines%handle, name, props, size(props), statev, size(statev), given, size(given, 1), values)
   end subroutine call_umat
+
+
+  !> Calls CREEP.
+  pure subroutine call_creep(routines, name, values)
+    type(user_library_type), intent(in) :: routines
+    character(USER_NAME_LENGTH), intent(in) :: name       !< CMNAME
+    type(creep_type), intent(inout) :: values
+    call creep_c(routines%handle, name, values)
+  end subroutine call_creep
 
 
   !> Calls SDVINI.

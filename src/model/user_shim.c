@@ -32,9 +32,9 @@
 #endif
 
 static const char *const NAMES[N_ROUTINES] = {"umat", "fric", "uinter", "dload", "disp", "uamp", "sdvini", "uel", "usdfld",
-                                              "uexternaldb", "utracload"};
+                                              "uexternaldb", "utracload", "creep"};
 static const char *const CAPITALS[N_ROUTINES] = {"UMAT", "FRIC", "UINTER", "DLOAD", "DISP", "UAMP", "SDVINI", "UEL", "USDFLD",
-                                                 "UEXTERNALDB", "UTRACLOAD"};
+                                                 "UEXTERNALDB", "UTRACLOAD", "CREEP"};
 
 /* Status codes of opening; the same numbers as in user_routines.f90. */
 enum { OPENED = 0, NO_FILE = 1, NOT_COMPILED = 2, NOT_LOADED = 3, NO_ROUTINE = 4, NO_MEMORY = 5 };

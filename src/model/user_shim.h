@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 /* The routines, in the order of user_routines.f90. */
-enum { UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD, UEXTERNALDB, UTRACLOAD, N_ROUTINES };
+enum { UMAT, FRIC, UINTER, DLOAD, DISP, UAMP, SDVINI, UEL, USDFLD, UEXTERNALDB, UTRACLOAD, CREEP, N_ROUTINES };
 
 enum { TEXT_CAPACITY = 8192, NAME_LENGTH = 80 };
 

@@ -8,12 +8,14 @@ module amontons_creep_accuracy
   use amontons_failure, only: failure_type, FAILURE_CREEP
   use amontons_mesh, only: element_nodes, wall_ratios
   use amontons_element_kinds, only: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
-  use amontons_materials, only: material_type, CREEP_NONE, HISTORY_CEEQ, user_field_place, ELASTIC_ISOTROPIC
+  use amontons_materials, only: material_type, CREEP_NONE, CREEP_USER, HISTORY_CEEQ, user_field_place, ELASTIC_ISOTROPIC
   use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_steps, only: step_type
   use amontons_plasticity, only: creep_strain_difference
   use amontons_element, only: set_temperature_weights
   use amontons_state, only: state_type
+  use amontons_user_routines, only: creep_type
+  use amontons_user_state, only: load_creep_points
   implicit none
   private
   public :: check_creep, is_limited_by_cetol
@@ -64,8 +66,14 @@ contains
     integer, intent(in) :: e, nodes(:)
     real(DP), intent(in) :: weight(:, :)           !< (nodes, points) of the nodal temperatures [-]
     real(DP) :: argument(2)                        ! of the table, at the start and at the end
+    type(creep_type), allocatable :: user(:)
     integer :: p, i, k
     difference = 0
+    if (material%creep_law == CREEP_USER) then
+      call load_creep_points(model, state, e, model%steps(max(1, state%new%step))%is_nlgeom, user)
+    else
+      allocate (user(model%mesh%point_first(e + 1) - model%mesh%point_first(e)))
+    end if
     k = material%table_variable * model%mesh%n_nodes
     associate (old => state%old, new => state%new)
       do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
@@ -75,7 +83,7 @@ contains
           new%history(user_field_place(material, material%table_variable), p)]
         difference = max(difference, creep_strain_difference(material, argument, [new%total_time, new%creep_time &
           - old%creep_time], [old%history(HISTORY_CEEQ, p), new%history(HISTORY_CEEQ, p)], &
-          [von_mises(old%stress(:, p)), von_mises(new%stress(:, p))]))
+          [von_mises(old%stress(:, p)), von_mises(new%stress(:, p))], user(i)))
       end do
     end associate
   end function element_difference

@@ -15,13 +15,15 @@ module amontons_user_state
   use amontons_state, only: state_type, fields_type, commit_fields, rotate_stress_to_frame
   use amontons_element_kinds, only: element_kind, element_kind_type, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
     FAMILY_PLANE_STRESS, FAMILY_MEMBRANE, FAMILY_TRUSS, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
-  use amontons_user_routines, only: call_dload, call_utracload, call_disp, call_sdvini, call_usdfld, usdfld_type, umat_type, &
+  use amontons_user_routines, only: creep_type, call_dload, call_utracload, call_disp, call_sdvini, call_usdfld, usdfld_type, &
+    umat_type, &
     user_library_type, &
     has_routine, ROUTINE_USDFLD, USER_NAME_LENGTH
   use amontons_tensor, only: IDENTITY, cross_product
   implicit none
   private
-  public :: max_stress_components, find_point_at_rest, initialize_state_variables, load_umat_points, store_umat_points
+  public :: max_stress_components, find_point_at_rest, initialize_state_variables, load_umat_points, store_umat_points, &
+    load_creep_points
   public :: evaluate_dload, evaluate_utracload, evaluate_disp
   public :: is_deleted_element, field_library
   public :: update_user_fields, load_user_fields, has_invalid_fields
@@ -78,6 +80,38 @@ contains
       end associate
     end do
   end subroutine load_umat_points
+
+
+  !> What a routine CREEP gets of the points of an element. TIME is at the end of the increment; of creep: that of VISCO steps.
+  pure subroutine load_creep_points(model, state, e, is_nlgeom, creep)
+    type(model_type), intent(in) :: model
+    type(state_type), intent(in) :: state
+    integer, intent(in) :: e
+    logical, intent(in) :: is_nlgeom
+    type(creep_type), allocatable, intent(out) :: creep(:)    !< (points)
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), x(3, &
+      MAX_ELEMENT_NODES), weight(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    integer :: n_rule, n_nodes, nodes(MAX_ELEMENT_NODES), p
+    call element_nodes(model%mesh, e, n_nodes, nodes)
+    x(:, :n_nodes) = model%mesh%coordinates(:, nodes(:n_nodes))
+    if (is_nlgeom) x(:, :n_nodes) = x(:, :n_nodes) + state%new%u(:, nodes(:n_nodes))
+    call quadrature(model%mesh%kind(e), n_rule, xi, w, wall_ratios(model%mesh, e))
+    call set_temperature_weights(model%mesh%kind(e), weight, wall_ratios(model%mesh, e))
+    allocate (creep(model%mesh%point_first(e + 1) - model%mesh%point_first(e)))
+    do p = 1, size(creep)
+      call shape_functions(model%mesh%kind(e), xi(:, p), N, dN)
+      associate (values => creep(p), old => state%old, new => state%new)
+        values%time = [new%step_time, new%total_time, new%creep_time]
+        values%temp = dot_product(weight(:n_nodes, p), new%temperature(nodes(:n_nodes)))
+        values%dtemp = values%temp - dot_product(weight(:n_nodes, p), old%temperature(nodes(:n_nodes)))
+        values%coords = matmul(x(:, :n_nodes), N(:n_nodes))
+        values%noel = model%mesh%element_label(e)
+        values%npt = p
+        values%step = new%step
+        values%increment = new%increment
+      end associate
+    end do
+  end subroutine load_creep_points
 
 
   !> Field variables of a point from those of the nodes: at the start of the increment, and their changes.

@@ -50,7 +50,7 @@ contains
     call expect('*RATE DEPENDENT,TYPE=YIELD RATIO', 0, 0, '')
     call expect('*RATE DEPENDENT,TYPE=JOHNSON COOK', 1, 0, 'Give POWER LAW or YIELD RATIO')
     call expect('*CREEP,LAW=STRAIN', 0, 0, '')
-    call expect('*CREEP,LAW=ANAND', 1, 0, 'Use TIME, STRAIN or NORTON')
+    call expect('*CREEP,LAW=ANAND', 1, 0, 'Use TIME, STRAIN, NORTON or USER')
     call expect('*USER MATERIAL,CONSTANTS=2,UNSYMM', 0, 1, 'DDSDDE')
     call expect('*USER MATERIAL', 1, 0, 'CONSTANTS=integer')
     call expect('*USER MATERIAL,CONSTANTS=2,TYPE=THERMAL', 1, 0, 'no heat transfer')

@@ -3,11 +3,12 @@
 program test_user_routines
   use amontons_errors, only: error_type, EXIT_IO, EXIT_SETUP
   use amontons_kinds, only: DP
-  use amontons_user_routines, only: user_library_type, uamp_type, fric_type, uinter_type, open_routines, close_routines, &
+  use amontons_user_routines, only: user_library_type, creep_type, uamp_type, fric_type, uinter_type, open_routines, &
+    close_routines, call_creep, &
     has_routine, collect_user_messages, pass_job_name, call_sdvini, call_dload, call_utracload, call_disp, call_uamp, &
     call_fric, call_uinter, &
-    ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_NAMES, &
-    USER_NAME_LENGTH
+    ROUTINE_UMAT, ROUTINE_FRIC, ROUTINE_UINTER, ROUTINE_DLOAD, ROUTINE_DISP, ROUTINE_UAMP, ROUTINE_SDVINI, ROUTINE_CREEP, &
+    ROUTINE_NAMES, USER_NAME_LENGTH
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
@@ -21,6 +22,7 @@ program test_user_routines
   call check_loads()
   call check_amplitude()
   call check_contact()
+  call check_creep()
   call check_end()
   call check_errors()
   call suite%finish()
@@ -40,6 +42,7 @@ contains
     call suite%that('names', ROUTINE_NAMES(ROUTINE_FRIC) == 'FRIC' .and. ROUTINE_NAMES(ROUTINE_UINTER) == 'UINTER' .and. &
       ROUTINE_NAMES(ROUTINE_DLOAD) == 'DLOAD' .and. ROUTINE_NAMES(ROUTINE_DISP) == 'DISP' .and. &
       ROUTINE_NAMES(ROUTINE_UAMP) == 'UAMP' .and. ROUTINE_NAMES(ROUTINE_SDVINI) == 'SDVINI')
+    call suite%that('has CREEP', has_routine(routines, ROUTINE_CREEP) .and. ROUTINE_NAMES(ROUTINE_CREEP) == 'CREEP')
     call pass_job_name(routines, 'folder', 'job')
   end subroutine check_contents
 
@@ -91,6 +94,32 @@ contains
     call collect_user_messages(routines, smallest, text, is_stopped, has_crashed)
     call suite%that('is reported', is_stopped .and. .not. has_crashed)
   end subroutine check_amplitude
+
+
+  !> CREEP: arguments in their places; swelling and a negative increment end the job with a message.
+  subroutine check_creep()
+    type(creep_type) :: values
+    character(USER_NAME_LENGTH) :: name
+    character(:), allocatable :: text
+    real(DP) :: smallest
+    logical :: is_stopped, has_crashed
+    name = 'LEAD'
+    values = creep_type(ec=[3.0_DP, 4.0_DP], p=2.0_DP, qtild=1.0_DP, temp=5.0_DP, dtemp=6.0_DP, time=[1.0_DP, 2.0_DP, 3.0_DP], &
+      dtime=4.0_DP, coords=[1.0_DP, 2.0_DP, 3.0_DP], noel=4, npt=5, step=6, increment=7)
+    call call_creep(routines, name, values)
+    call suite%near('CREEP', values%decra(1), 1654321.0_DP, 0.0_DP)
+    call suite%near('its times', values%decra(2), 4321.0_DP, 0.0_DP)
+    call suite%near('its place', values%decra(5), 7654321.0_DP, 0.0_DP)
+    call suite%that('its creep is taken', values%is_accepted == 1)
+    values%qtild = -1
+    call call_creep(routines, name, values)
+    call collect_user_messages(routines, smallest, text, is_stopped, has_crashed)
+    call suite%that('a negative increment', values%is_accepted == 0 .and. is_stopped .and. index(text, 'negative increment') > 0)
+    values%qtild = 11
+    call call_creep(routines, name, values)
+    call collect_user_messages(routines, smallest, text, is_stopped, has_crashed)
+    call suite%that('swelling', values%is_accepted == 0 .and. is_stopped .and. index(text, 'swelling') > 0)
+  end subroutine check_creep
 
 
   !> FRIC and UINTER: results, and LM.
