@@ -45,7 +45,7 @@ module amontons_analysis
   use amontons_model_check_motion, only: find_free_motion
   use amontons_convergence, only: VERDICT_CONTINUE, VERDICT_CONVERGED, VERDICT_DIVERGES
   use amontons_globalization, only: delay_snap_through
-  use amontons_newton, only: begin_newton, iterate
+  use amontons_newton, only: begin_newton, choose_descent, iterate
   use amontons_postprocess, only: add_inelastic_work, mechanical_strain
   use amontons_active_set_history, only: count_changed_statuses
   use amontons_increment_control, only: attempt_effort_type, begin_stepping, propose_increment, accept_increment, &
@@ -313,7 +313,7 @@ contains
         dt = min(propose_increment(analysis%stepping, step), until - analysis%stepping%step_time)
         call begin_trial(analysis, dt, error)
         analysis%newton%can_be_cut_back = can_cut_back(analysis%stepping, step, dt)
-        analysis%system%seeks_descent = analysis%system%may_collapse .and. analysis%newton%can_be_cut_back
+        call choose_descent(analysis%newton, analysis%system, analysis%stepping%attempt)
         if (analysis%newton%can_be_cut_back .and. analysis%stepping%attempt == 1) &
           call delay_snap_through(analysis%newton%globalization, step%controls%globalization)
         do

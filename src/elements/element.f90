@@ -2,10 +2,12 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Theory and symbols: doc/theory/elements.md. Kernels: `solid_elements` in three dimensions, `plane_elements` for plane and
-!! axisymmetric elements, `membrane_elements` for membranes, `truss_spring_mass` for the rest. The pressure on a
-!! facet is the same for all solids and membranes.
+!! axisymmetric elements, `membrane_elements` for membranes, `cohesive_elements` for layers of glue, `truss_spring_mass` for the
+!! rest. The pressure on a facet is the same for all solids and membranes.
 module amontons_element
   use amontons_kinds, only: DP
+  use amontons_cohesive_elements, only: evaluate_cohesive_element, evaluate_cohesive_volumes, integrate_cohesive_body_force, &
+    set_cohesive_temperature_weights
   use amontons_truss_spring_mass, only: evaluate_truss_element, evaluate_truss_volumes, integrate_truss_body_force, &
     evaluate_spring_element
   use amontons_materials, only: material_type
@@ -22,7 +24,7 @@ module amontons_element
   use amontons_element_kinds, only: facet_kind_type, kind_of_facet => facet_kind, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, &
     MAX_FACE_NODES, &
     KIND_CPS3, KIND_CAX_SHELL, KIND_M3D3, KIND_M3D8R, KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_GAPUNI, KIND_MASS, KIND_USER, &
-    N_SOLID_KINDS
+    KIND_COH2D4, KIND_COH3D8, N_SOLID_KINDS
   implicit none
   private
   public :: integration_points_type, evaluate_element_forces, evaluate_element_tangent
@@ -53,6 +55,8 @@ contains
       call evaluate_truss_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_SPRINGA:KIND_GAPUNI)
       call evaluate_spring_element(kind, X, u, is_nlgeom, force, points, status, stiffness)
+    case (KIND_COH2D4:KIND_COH3D8)
+      call evaluate_cohesive_element(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
     case (KIND_MASS:KIND_USER)                     ! no stiffness of their own, or one by the routine UEL
       force = 0
       status = ELEMENT_OK
@@ -114,7 +118,9 @@ contains
     case (KIND_SPRINGA)
       n = 0
       status = merge(ELEMENT_OK, ELEMENT_DEGENERATE, norm2(X(:, 2) - X(:, 1)) > 0)
-    case (KIND_SPRINGA + 1:)
+    case (KIND_COH2D4:KIND_COH3D8)
+      call evaluate_cohesive_volumes(kind, X, section, n, volumes, status)
+    case (KIND_SPRINGA + 1:KIND_USER)
       n = 0
       status = ELEMENT_OK
     case default
@@ -139,6 +145,8 @@ contains
       call integrate_membrane_body_force(kind, X, section, b, force)
     case (KIND_T3D2, KIND_T3D3)
       call integrate_truss_body_force(kind, X, section, b, force)
+    case (KIND_COH2D4:KIND_COH3D8)
+      call integrate_cohesive_body_force(kind, X, section, b, force)
     case (KIND_MASS)
       force(:, 1) = section * b
     case (:N_SOLID_KINDS)
@@ -163,6 +171,8 @@ contains
       call set_membrane_temperature_weights(kind, weight)
     case (KIND_T3D2, KIND_T3D3)
       weight(:2, :) = 0.5_DP
+    case (KIND_COH2D4:KIND_COH3D8)
+      call set_cohesive_temperature_weights(kind, weight)
     end select
   end subroutine set_temperature_weights
 

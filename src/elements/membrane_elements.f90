@@ -25,7 +25,8 @@ module amontons_membrane_elements
   use amontons_element_kinds, only: KIND_M3D6, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS
   implicit none
   private
-  public :: evaluate_membrane_element, evaluate_membrane_volumes, integrate_membrane_body_force, set_membrane_temperature_weights
+  public :: evaluate_membrane_element, evaluate_membrane_volumes, integrate_membrane_body_force, set_membrane_temperature_weights, &
+    TOL_ALONG_NORMAL
 
   integer, parameter :: MAX_MEMBRANE_NODES = 8               !< most nodes
   integer, parameter :: IN_PLANE(3) = [1, 2, 4]              !< 11 22 12 among the six components

@@ -7,18 +7,16 @@
 module amontons_shape_functions
   use amontons_kinds, only: DP
   use amontons_beam_rules, only: set_beam_rule, extrapolate_beam, extrapolate_beam_trilinearly, GAUSS_2, GAUSS_3
-  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D8I, &
-    KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, KIND_CPS3, &
-    KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R, KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_PIPE, &
-    KIND_BEAM_BOX, KIND_BEAM_KRONROD, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, &
-    MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
+  use amontons_element_kinds, only: element_kind, element_kind_type, opposite_node, KIND_C3D4, KIND_C3D6, KIND_C3D8, &
+    KIND_C3D8_FULL, KIND_C3D8I, KIND_COH2D4, KIND_COH3D6, KIND_COH3D8, KIND_C3D8R, KIND_CSS8, KIND_CSS6, KIND_C3D10, KIND_C3D15, &
+    KIND_C3D15_LAYER, KIND_C3D20, KIND_C3D20R, KIND_CPS3, KIND_CPS4R, KIND_CPE3, KIND_CPE4R, KIND_CAX3, KIND_CAX4R, &
+    KIND_CAX_SHELL, KIND_T3D3, KIND_BEAM_RECT, KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_KRONROD, FACET_TRI3, FACET_QUAD4, &
+    FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES
   use amontons_tensor, only: solve_normal_equations
   implicit none
   private
-  public :: shape_functions, quadrature, spread_body_force, node_coordinates, extrapolation_matrix
-  public :: choose_face_rule
-  public :: facet_shapes, facet_quadrature, facet_node_coordinates
-  public :: MAX_FACET_POINTS
+  public :: shape_functions, quadrature, spread_body_force, node_coordinates, extrapolation_matrix, choose_face_rule, &
+    facet_shapes, facet_quadrature, facet_node_coordinates, MAX_FACET_POINTS
 
   integer, parameter :: RULE_TRI1 = 7, RULE_QUAD1 = 8, RULE_LINE1 = 9   !< rules of one point, beside those of the facet kinds
   real(DP), parameter :: SIMPSON(5) = [real(DP) :: 1, 4, 2, 4, 1] / 6   !< five heights of shells, with points on both faces
@@ -78,6 +76,8 @@ contains
       call hex20_shapes(xi, N, dN)
     case (KIND_CPS3:KIND_T3D3)
       call embedded_shapes(kind, xi, N, dN)
+    case (KIND_COH2D4:KIND_COH3D8)
+      call cohesive_shapes(kind, xi, N, dN)
     case default                                   ! unknown kind: nothing is set
     end select
   end subroutine shape_functions
@@ -92,6 +92,38 @@ contains
     call facet_shapes(facet_shape_kind(kind), xi(:2), N(:MAX_FACE_NODES), along, ddN)
     dN(:2, :MAX_FACE_NODES) = along
   end subroutine embedded_shapes
+
+
+  !> Cohesive elements: the middle between the two faces.
+  pure subroutine cohesive_shapes(kind, xi, N, dN)
+    integer, intent(in) :: kind                    !< KIND_COH...
+    real(DP), intent(in) :: xi(3)
+    real(DP), intent(inout) :: N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES)
+    real(DP) :: shape(MAX_FACE_NODES), along(2, MAX_FACE_NODES), ddN(3, MAX_FACE_NODES)
+    type(element_kind_type) :: entry
+    integer :: a, opposite
+    entry = element_kind(kind)
+    call facet_shapes(entry%face_kind(1), xi(:2), shape, along, ddN)
+    do a = 1, entry%n_points
+      opposite = opposite_node(kind, a)
+      N([a, opposite]) = 0.5_DP * shape(a)
+      dN(:2, a) = 0.5_DP * along(:, a)
+      dN(:2, opposite) = 0.5_DP * along(:, a)
+    end do
+  end subroutine cohesive_shapes
+
+
+  !> Cohesive elements: a point at each pair of nodes, with the share of the face that a node of it has.
+  pure subroutine cohesive_rule(kind, n, xi, w)
+    integer, intent(in) :: kind                    !< KIND_COH...
+    integer, intent(out) :: n
+    real(DP), intent(inout) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
+    type(element_kind_type) :: entry
+    entry = element_kind(kind)
+    n = entry%n_points
+    call facet_node_coordinates(entry%face_kind(1), xi(:2, :MAX_FACE_NODES))
+    w(:n) = merge(1.0_DP / 6, 1.0_DP, kind == KIND_COH3D6)
+  end subroutine cohesive_rule
 
 
   !> The facet kind that has the shape of a plane kind or of a truss.
@@ -283,6 +315,8 @@ contains
       call layered_rule(flat(:, :3), weight(:3), xi, w)
     case (KIND_CPS3:KIND_T3D3)
       call embedded_rule(kind, n, xi, w)
+    case (KIND_COH2D4:KIND_COH3D8)
+      call cohesive_rule(kind, n, xi, w)
     case (KIND_BEAM_RECT:KIND_BEAM_KRONROD)
       call set_beam_rule(kind, walls_or_none(walls), n, xi, w)
     case default                                   ! unknown kind: nothing is set
@@ -435,7 +469,8 @@ contains
   pure subroutine node_coordinates(kind, xi)
     integer, intent(in) :: kind                    !< KIND_...
     real(DP), intent(out) :: xi(3, MAX_ELEMENT_NODES)      !< [-], zero past its nodes
-    real(DP) :: flat(2, MAX_FACE_NODES)
+    real(DP) :: flat(2, MAX_FACE_NODES), at(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS)
+    integer :: n, a
     xi = 0
     select case (kind)
     case (KIND_C3D4)
@@ -453,6 +488,9 @@ contains
     case (KIND_CPS3:KIND_T3D3)
       call facet_node_coordinates(facet_shape_kind(kind), flat)
       xi(:2, :MAX_FACE_NODES) = flat
+    case (KIND_COH2D4:KIND_COH3D8)
+      call cohesive_rule(kind, n, at, w)
+      xi(:, [(a, opposite_node(kind, a), a=1, n)]) = at(:, [(a, a, a=1, n)])
     case default                                   ! unknown kind: nothing is set
     end select
   end subroutine node_coordinates
@@ -475,6 +513,7 @@ contains
   !! | plane, 9 points | least squares fit of the 8 shape functions          | the same              |
   !! | plane shell     | linear through the 2 points of its height           | the same              |
   !! | T3D3            | linear through 2 points                             | mean of the 2 ends    |
+  !! | cohesive        | the value of the point at the pair of nodes         |                       |
   !! | beams           | least squares fit, see `extrapolate_beam`           | the same              |
   !!
   !! With `is_calculix` beams are extrapolated by `extrapolate_beam_trilinearly`, C3D15 of a layer by `extrapolate_layer_wedge`.
@@ -485,6 +524,7 @@ contains
     real(DP), intent(in), optional :: walls(4)     !< of a hollow beam; absent: all other elements [-]
     logical, intent(in), optional :: is_calculix   !< as CalculiX does it; default .false.
     type(element_kind_type) :: entry
+    integer :: a
     logical :: is_as_there
     is_as_there = .false.
     if (present(is_calculix)) is_as_there = is_calculix
@@ -514,6 +554,10 @@ contains
       call extrapolate_serendipity(kind, n_nodes, n_points, matrix)
     case (KIND_CPS3:KIND_T3D3)
       call extrapolate_embedded(kind, n_nodes, n_points, matrix)
+    case (KIND_COH2D4:KIND_COH3D8)
+      do a = 1, n_points
+        matrix([a, opposite_node(kind, a)], a) = 1
+      end do
     case (KIND_BEAM_RECT:KIND_BEAM_KRONROD)
       if (is_as_there .and. any(kind == [KIND_BEAM_PIPE, KIND_BEAM_BOX, KIND_BEAM_KRONROD])) then
         call extrapolate_beam_trilinearly(kind, walls_or_none(walls), HEXAHEDRON_NODES, matrix)

@@ -9,7 +9,7 @@ module amontons_equilibrium
   use amontons_kinds, only: DP
   use amontons_containers, only: integer_list_type
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
-  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements, list_follower_nodes, has_unsymmetric_elements
+  use amontons_model, only: model_type, n_nonlinear_mpcs, absent_elements, list_follower_nodes, has_unsymmetric_elements, has_damage
   use amontons_surfaces, only: is_compliant
   use amontons_controls, only: controls_type, PRECONDITIONER_NODAL, PRECONDITIONER_DIAGONAL
   use amontons_steps, only: step_type, SOLVER_AUTO, SOLVER_ITERATIVE, SOLVER_GRADIENTS, SOLVER_BDDC
@@ -41,8 +41,7 @@ module amontons_equilibrium
   use amontons_master_symmetry_planes, only: find_symmetry_planes, find_fixed_directions
   use amontons_contact_step, only: begin_contact_step
   use amontons_midside_constraints, only: hold_all_midsides, begin_midsides, update_midsides
-  use amontons_contact_pairs, only: contact_type, create_contact, set_free_directions, current_row, &
-    renew_searches
+  use amontons_contact_pairs, only: contact_type, create_contact, set_free_directions, current_row, renew_searches
   use amontons_contact_evaluation, only: evaluate_contact
   use amontons_slave_nodes, only: contact_force_rounding
   use amontons_friction_slip_scenarios, only: slip_state_type
@@ -54,8 +53,7 @@ module amontons_equilibrium
   private
   public :: equilibrium_type, create_equilibrium, begin_step, plan_solver, begin_increment, evaluate_equilibrium, &
     directional_residual, residual_sizes, largest_above_rounding
-  public :: max_components, nodal_norms
-  public :: configuration_type, save_configuration, evaluate_linearized, restore_configuration
+  public :: max_components, nodal_norms, configuration_type, save_configuration, evaluate_linearized, restore_configuration
   public :: mean_diagonal_stiffness, is_matrix_free_step, has_moving_supports, evaluate_points
   public :: undivide_matrix, update_base_constraints, update_midside_constraints, discard_bulk_factor, discard_matrices, &
     interface_unknowns, n_interface_unknowns
@@ -82,8 +80,10 @@ module amontons_equilibrium
     type(reduced_system_type) :: reduced_system                  !< A and its factor
     type(lu_type) :: indefinite_factor             !< of J in a RIKS step, where A is not positive
     logical :: is_indefinite = .false.             !< the present direction uses it
-    logical :: may_collapse = .false.              !< a limit load is possible: a law flows, and forces alone act in the step
-    logical :: seeks_descent = .false.             !< so it is, and a shorter increment can follow an attempt that ends beyond it
+    logical :: may_soften = .false.                !< tractions fall by damage
+    logical :: may_collapse = .false.              !< so it is, or a limit load is possible: a law flows, and forces alone act
+    logical :: seeks_descent = .false.             !< may_collapse, and a shorter increment can follow this attempt; or may_snap
+    logical :: may_snap = .false.                  !< may_soften, and this attempt descends to the next equilibrium, however far
     type(schur_interface_type) :: schur_interface              !< the factor of the bulk and the Schur complement of the interface,
                                                                !! where that is cheaper
     type(skin_type) :: skin                        !< the preconditioner of wide contact interfaces
@@ -308,7 +308,8 @@ contains
     system%reduced_system%controls = step%controls%linear_solver
     system%reduced_system%requested_solver = step%solver
     system%reduced_system%is_shift_allowed = .not. step%is_riks
-    system%may_collapse = any(model%materials%n_history > 0) .and. .not. has_moving_supports(step)
+    system%may_soften = has_damage(model)
+    system%may_collapse = any(model%materials%n_history > 0) .and. (system%may_soften .or. .not. has_moving_supports(step))
     system%reduced_system%use = merge(USE_REPEATED, USE_ONCE, size(state%old%slaves) > 0 .or. &
       (system%is_constant .and. step%dt_initial < step%controls%krylov%max_reuse_increment * step%period))
     if (size(state%old%slaves) == 0 .and. .not. system%is_constant) system%reduced_system%use = USE_NEWTON

@@ -726,7 +726,7 @@ contains
     integer :: status
     outcome = OUTCOME_OK
     system%indefinite_factor%is_ready = .false.
-    if (has_unsymmetric_law(system%assembly%skew)) system%reduced_system%is_shift_allowed = .false.
+    if (has_unsymmetric_law(system%assembly%skew) .and. .not. system%may_soften) system%reduced_system%is_shift_allowed = .false.
     if (any(has_spring(system%contact_tangents))) then
       call assemble_spring_matrix(system%contact_tangents, system%constraints%n_unknowns, springs)
       call factorise_reduced_system(system%reduced_system, sparse_sum(system%assembly%stiffness, 1.0_DP, springs), .true., &

@@ -1,6 +1,7 @@
 !> Entries of the card table for materials, sections, orientations and initial conditions.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_materials
+  use amontons_card_cohesive, only: describe_cohesive
   use amontons_card_submodels, only: describe_global_step
   use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_STEP, ENTRY_IGNORED, ENTRY_REJECTED, &
     VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
@@ -28,6 +29,7 @@ contains
     call describe_hyperelastic(table)
     call describe_user(table)
     call describe_section(table)
+    call describe_cohesive(table)
     call describe_user_elements(table)
     call describe_initial_conditions(table)
   end subroutine describe_materials
@@ -49,10 +51,11 @@ contains
       parent='MATERIAL', data='the constants of TYPE, temperature; a line (or more, of eight values) for each ' // &
       'temperature. ISOTROPIC: Young''s modulus, Poisson''s ratio. ENGINEERING CONSTANTS: E1, E2, E3, nu12, nu13, ' // &
       'nu23, G12, G13, G23. LAMINA: E1, E2, nu12, G12, G13, G23. ' // &
-      'ORTHO: D1111, D1122, D2222, D1133, D2233, D3333, D1212, D1313, D2323. ANISO: 21 D')
+      'ORTHO: D1111, D1122, D2222, D1133, D2233, D3333, D1212, D1313, D2323. ANISO: 21 D. ' // &
+      'TRACTION (cohesive elements): stiffness of normal, first shear, second shear direction (blank: as the first)')
     call table%option('TYPE', VALUE_WORD, 'Kind of elasticity.', allowed='ISOTROPIC|ISO|ORTHO|ORTHOTROPIC|' // &
-      'ENGINEERING CONSTANTS|LAMINA|ANISO|ANISOTROPIC', default='ISOTROPIC')
-    call table%reject_words('TRACTION|COUPLED TRACTION|SHEAR', 'Only the elasticity of solids and laminae is.')
+      'ENGINEERING CONSTANTS|LAMINA|ANISO|ANISOTROPIC|TRACTION', default='ISOTROPIC')
+    call table%reject_words('COUPLED TRACTION|SHEAR', 'Give TRACTION for cohesive elements, whose directions are not coupled.')
     call table%option('MODULI', VALUE_WORD, 'With VISCOELASTIC: which moduli the constants are.', allowed= &
       'LONG TERM|INSTANTANEOUS', default='LONG TERM')
     call describe_field_variables(table)

@@ -17,7 +17,7 @@ module amontons_card_table
 
   character(*), parameter :: NODE_VARIABLES = 'U|UR|V|RF|NT|COOR'      !< variables of NODE PRINT
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< variables of SECTION PRINT, each of which prints all
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDV|ENER|ELSE|EVOL|COOR|SF|SM' !< variables of EL PRINT
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDEG|DMICRT|SDV|ENER|ELSE|EVOL|COOR|SF|SM' !< of EL PRINT
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS|CFT|CMN|CMS|CMT|CARE|XN|XS|XT'
 
 contains
@@ -98,7 +98,7 @@ contains
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
       'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; S3, S4, S4R, S6, S8, S8R, SAX1, SAX2; M3D3, M3D4, M3D4R, M3D6, M3D8, M3D8R; ' // &
       'B21, B22, B31, B31R, B32, B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, R2D2, RAX2; SPRINGA, SPRING1, SPRING2; GAPUNI; ' // &
-      'MASS; U1 to U9999 of *USER ELEMENT.', default='required')
+      'MASS; COH2D4, COHAX4, COH3D6, COH3D8; U1 to U9999 of *USER ELEMENT.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%add_dialect_note('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full, ' // &
@@ -706,7 +706,7 @@ contains
     call table%add_dialect_note('RF: abaqus the reactions of supports; calculix the internal forces. GLOBAL: YES or NO by default.')
 
     call table%card('EL PRINT', SCOPE_STEP, 'Prints values of integration points to the .dat file.', data= &
-      'variables: S, E, ME (without the thermal strain), PEEQ, CEEQ, ENER, ELSE, EVOL, COORD')
+      'variables: S, E, ME (without the thermal strain), PEEQ, CEEQ, SDEG, DMICRT, ENER, ELSE, EVOL, COORD')
     call describe_print(table)
     call table%option('ELSET', VALUE_NAME, 'The elements.', default='all (abaqus), required (calculix)')
     call table%option('GLOBAL', VALUE_WORD, 'Tensors are in global directions, or in the axes of the section.', &
@@ -797,8 +797,8 @@ contains
     call table%cards_with(ENTRY_IGNORED, 'DASHPOT|DAMPING|GLOBAL DAMPING|MODAL DAMPING|CONTACT DAMPING|BULK VISCOSITY|' // &
       'FIXED MASS SCALING', 'It has no effect: rates do not count in quasi-static steps, and backward Euler alone damps ' // &
       '*DYNAMIC, APPLICATION=QUASI-STATIC.')
-    call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT CONTROLS ASSIGNMENT|CONTACT STABILIZATION|SECTION ' // &
-      'CONTROLS|SOLUTION TECHNIQUE|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
+    call table%cards_with(ENTRY_IGNORED, 'CONTACT CONTROLS|CONTACT CONTROLS ASSIGNMENT|CONTACT STABILIZATION|' // &
+      'SOLUTION TECHNIQUE|CONSTRAINT CONTROLS', 'Contact and the solver of Amontons do not use ' // &
       'these settings.')
   end subroutine describe_ignored
 
@@ -810,7 +810,7 @@ contains
       'CLAY PLASTICITY|CLAY HARDENING|' // &
       'CRUSHABLE FOAM|CRUSHABLE FOAM HARDENING|CONCRETE|CONCRETE DAMAGED PLASTICITY|CONCRETE COMPRESSION ' // &
       'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
-      'HARDENING|CAST IRON TENSION HARDENING|DAMAGE INITIATION|DAMAGE EVOLUTION|DAMAGE STABILIZATION|' // &
+      'HARDENING|CAST IRON TENSION HARDENING|' // &
       'POTENTIAL|POROUS ELASTIC|POROUS METAL PLASTICITY|MULLINS EFFECT|HYSTERESIS|LOW DENSITY FOAM|' // &
       'SHEAR FAILURE|TENSILE FAILURE|ANNEAL TEMPERATURE|SWELLING|' // &
       'JOINTED MATERIAL|SUPERELASTIC|SHAPE MEMORY ALLOY|EOS|FABRIC|GASKET ELASTICITY|GASKET THICKNESS BEHAVIOR|' // &
@@ -885,7 +885,7 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'NETWORK MPC|RELEASE|TIE COEFFICIENT', &
       'Use *EQUATION, or mesh the bodies together.')
     call table%cards_with(ENTRY_REJECTED, 'REBAR|REBAR LAYER', 'Mesh the bars as trusses with *EMBEDDED ELEMENT.')
-    call table%cards_with(ENTRY_REJECTED, 'COHESIVE SECTION|GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
+    call table%cards_with(ENTRY_REJECTED, 'GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ELASTICITY|CONNECTOR MOTION|' // &
       'CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
       'The sections are *SOLID SECTION, *SHELL SECTION, *MEMBRANE SECTION and *BEAM SECTION.')

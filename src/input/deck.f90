@@ -11,6 +11,7 @@ module amontons_deck
   use amontons_card_table, only: make_card_table
   use amontons_containers, only: name_table_type
   use amontons_element_drafts, only: element_draft_type
+  use amontons_deck_cohesive, only: set_cohesive_sections
   use amontons_deck_mesh, only: read_nodes, read_elements, read_sections, select_elements
   use amontons_deck_initial_conditions, only: read_orientations, read_initial_conditions
   use amontons_deck_named_laws, only: check_steps_of_law
@@ -154,6 +155,7 @@ contains
     call read_user_properties(reader, model, draft)
     call read_distance_limits(reader, model, draft)
     call select_elements(reader, model, draft)
+    call set_cohesive_sections(reader, model)
     call read_structure(reader, model, draft)
     call read_amplitudes(reader, model)
     call read_time_points(reader)

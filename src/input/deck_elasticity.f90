@@ -4,6 +4,7 @@ module amontons_deck_elasticity
   use amontons_kinds, only: DP
   use amontons_cards, only: parameter_type, data_row_type
   use amontons_card_schema, only: parameter_text, parameter_word
+  use amontons_deck_cohesive, only: read_traction_elasticity
   use amontons_deck_property_tables, only: read_table
   use amontons_deck_reader, only: reader_type, open_card, report_error
   use amontons_invariant_elasticity, only: N_FIBRE_CONSTANTS, MAX_FIBRES
@@ -67,6 +68,9 @@ contains
     case ('ANISO', 'ANISOTROPIC')
       material%elastic_kind = ELASTIC_ANISOTROPIC
       call read_table(reader, c, 21, material%elastic, is_ok)
+    case ('TRACTION')
+      call read_traction_elasticity(reader, c, material)
+      return
     case default
       return                                     ! already reported by the check of the card
     end select

@@ -181,7 +181,7 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     integer :: c, k, set
     do c = 1, reader%cards%n_cards
-      if (.not. is_card(reader, c, 'SOLIDSECTION')) cycle
+      if (.not. (is_card(reader, c, 'SOLIDSECTION') .or. is_card(reader, c, 'COHESIVESECTION'))) cycle
       call open_card(reader, c, parameters, row)
       if (parameter_text(parameters, 'ORIENTATION') == '') cycle
       k = names%find(parameter_text(parameters, 'ORIENTATION'))

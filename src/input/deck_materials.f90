@@ -6,6 +6,7 @@ module amontons_deck_materials
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
   use amontons_deck_cap, only: read_cap, read_cap_hardening, is_cap_complete
   use amontons_deck_creep, only: read_creep, check_user_creep
+  use amontons_deck_cohesive, only: read_damage, check_damage, set_cohesive_history
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
   use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history, is_creep_by_name
   use amontons_deck_property_tables, only: read_table, read_curves
@@ -154,6 +155,8 @@ contains
       material%is_user_field = .true.
     case ('DEPVAR')
       call read_depvar(reader, c, material)
+    case ('DAMAGEINITIATION', 'DAMAGEEVOLUTION', 'DAMAGESTABILIZATION')
+      call read_damage(reader, c, material)
     end select
   end subroutine read_property
 
@@ -332,6 +335,7 @@ contains
       'has *USER DEFINED FIELD beside a law whose state variables take the place of its STATEV, which is not supported.')
     call find_table_variable(reader, line, material)
     call check_cone(reader, line, material)
+    call check_damage(reader, line, material)
     call complete_viscoelastic(reader, line, material)
     call complete_rate_dependence(reader, line, material)
     has_yield = allocated(material%isotropic_hardening) .or. allocated(material%kinematic_hardening)
@@ -479,6 +483,7 @@ contains
         size(model%steps(i)%temperatures) > 0
     end do
     call set_viscoelastic_history(model%materials)
+    call set_cohesive_history(model%materials)
     do m = 1, size(model%materials)
       associate (material => model%materials(m))
         if (.not. has_temperature .and. allocated(material%expansion%value)) deallocate (material%expansion%value)
@@ -501,6 +506,7 @@ contains
         end if
         material%is_unsymmetric = material%is_user .or. material%is_corotational .or. material%cutoff_sign /= 0 .or. &
           material%inelastic_law == INELASTIC_CRYSTAL
+        if (allocated(material%damage)) material%is_unsymmetric = material%damage%has_evolution
         if (allocated(material%cone%value)) material%is_unsymmetric = material%yield_surface == YIELD_MOHR_COULOMB .or. &
           material%has_cap .or. any(material%cone%value(1, :) > material%cone%value(2, :))
       end associate

@@ -22,7 +22,7 @@ module amontons_deck_mesh
   use amontons_element_kinds, only: element_kind_type, element_kind, kind_family, element_kind_by_name, KIND_C3D8, &
     KIND_C3D8_FULL, KIND_C3D8I, KIND_CPE4, KIND_CPE4_FULL, KIND_CAX4, KIND_CAX4_FULL, KIND_T3D3, KIND_GAPUNI, FAMILY_SOLID, &
     FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, &
-    FAMILY_USER, KIND_USER, is_structural_family
+    FAMILY_USER, FAMILY_COHESIVE, KIND_USER, is_structural_family
   implicit none
   private
   public :: read_nodes, read_elements, read_sections, select_elements, count_rows, is_in_family
@@ -392,7 +392,8 @@ contains
     integer :: c, set, material
     logical :: is_thick
     do c = 1, reader%cards%n_cards
-      if (.not. (is_card(reader, c, 'SOLIDSECTION') .or. is_card(reader, c, 'MEMBRANESECTION'))) cycle
+      if (.not. (is_card(reader, c, 'SOLIDSECTION') .or. is_card(reader, c, 'MEMBRANESECTION') .or. &
+        is_card(reader, c, 'COHESIVESECTION'))) cycle
       call open_card(reader, c, parameters, row)
       set = reader%element_sets%find(parameter_text(parameters, 'ELSET'))
       material = reader%materials%find(parameter_text(parameters, 'MATERIAL'))
@@ -407,6 +408,10 @@ contains
           cycle
         end if
         thickness = 1
+        if (is_card(reader, c, 'COHESIVESECTION')) then   ! its data lines are read when the mesh is known
+          if (set > 0) call assign_material(reader, c, model%mesh%element_sets(set)%members, material, thickness, draft)
+          cycle
+        end if
         if (next_row(reader%cards, row)) then
           is_thick = .true.
           if (needs_thickness(model, draft, set)) then
@@ -440,12 +445,13 @@ contains
         draft%section_card(e) = c
         if (is_thin(draft%kind(e))) draft%section_value(e) = thickness
         if (draft%kind(e) == 0) cycle              ! not supported: reported with its card
-        if (is_in_family(draft%kind(e), FAMILY_MEMBRANE) .eqv. is_card(reader, c, 'MEMBRANESECTION')) then
+        if ((is_in_family(draft%kind(e), FAMILY_MEMBRANE) .eqv. is_card(reader, c, 'MEMBRANESECTION')) .and. &
+          (is_in_family(draft%kind(e), FAMILY_COHESIVE) .eqv. is_card(reader, c, 'COHESIVESECTION'))) then
           if (.not. is_expanded_kind(draft%kind(e))) cycle
         end if
         call report_error(reader, line, 'The element ' // to_text(draft%label(e)) // ' is a ' // kind_name(draft%kind(e)) // &
           '; solids, plane elements and trusses have a *SOLID SECTION, shells a *SHELL SECTION, membranes a *MEMBRANE ' // &
-          'SECTION, beams a *BEAM SECTION.')
+          'SECTION, beams a *BEAM SECTION, cohesive elements a *COHESIVE SECTION.')
         exit
       end do
       if (n_overridden > 0) call report_note(reader, line, plural(n_overridden, 'element') // &
@@ -472,7 +478,7 @@ contains
     is_so = .false.
     if (kind == 0) return
     family = kind_family(kind)
-    is_so = all(family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS, FAMILY_RIGID, FAMILY_USER]) .and. .not. &
+    is_so = all(family /= [FAMILY_SOLID, FAMILY_SPRING, FAMILY_MASS, FAMILY_RIGID, FAMILY_USER, FAMILY_COHESIVE]) .and. .not. &
       is_structural_family(family)
   end function is_thin
 
@@ -579,7 +585,7 @@ contains
     if (is_thin(kind)) n = 2
     if (is_in_family(kind, FAMILY_SHELL) .or. is_in_family(kind, FAMILY_MEMBRANE)) n = 2
     if (is_in_family(kind, FAMILY_TRUSS) .or. is_in_family(kind, FAMILY_BEAM)) n = 1
-    if (is_in_family(kind, FAMILY_SOLID)) n = 3
+    if (is_in_family(kind, FAMILY_SOLID) .or. is_in_family(kind, FAMILY_COHESIVE)) n = 3
   end function n_dimensions
 
 
@@ -667,6 +673,7 @@ contains
         if (is_in_family(draft%kind(e), FAMILY_SHELL)) card = 'SHELL SECTION'
         if (is_in_family(draft%kind(e), FAMILY_MEMBRANE)) card = 'MEMBRANE SECTION'
         if (is_in_family(draft%kind(e), FAMILY_BEAM)) card = 'BEAM SECTION'
+        if (is_in_family(draft%kind(e), FAMILY_COHESIVE)) card = 'COHESIVE SECTION'
         if (is_in_family(draft%kind(e), FAMILY_SPRING)) card = 'SPRING'
         if (draft%kind(e) == KIND_GAPUNI) card = 'GAP'
         if (is_in_family(draft%kind(e), FAMILY_MASS)) card = 'MASS'

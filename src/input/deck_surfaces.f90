@@ -17,7 +17,7 @@ module amontons_deck_surfaces
   use amontons_surfaces, only: surface_type
   use amontons_user_routines, only: USER_NAME_LENGTH
   use amontons_text, only: to_text, name_key, is_one_of, parse_real, plural, verb, NUMBER_OK, NEWLINE
-  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, is_cohesive, has_faces_in_space
   implicit none
   private
   public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface
@@ -459,6 +459,8 @@ contains
       do i = 1, size(found)
         face = face_number(label, 'S')
         if (is_shell(model, found(i))) face = structural_face(model, found(i), label)
+        if (is_cohesive(model%mesh%kind(found(i))) .and. .not. has_faces_in_space(model%mesh%kind(found(i)))) &
+          face = findloc([1, 3], face, dim=1)      ! S1 and S3 hold each other
         if (face == OTHER_LAYER) cycle
         if (face > n_faces(model%mesh, found(i))) face = 0
         if (face == 0) n_without = n_without + 1
@@ -471,7 +473,7 @@ contains
       if (n_without > 0) is_ok = .false.
       if (n_without > 0) call report_error(reader, row%line, plural(n_without, 'element') // ' here ' // &
         verb(n_without, 'has', 'have') // ' no face ' // label // '; tetrahedra have 4 faces (S1 to S4), wedges 5, ' // &
-        'hexahedra 6; shells have SPOS, SNEG and edges E1 to E4.')
+        'hexahedra 6; shells have SPOS, SNEG and edges E1 to E4, cohesive elements S1 and S2, in the plane S1 and S3.')
     end do
     if (is_ok .and. elements%n == 0) call report_empty_surface(reader, c, surface%name)
     surface%element = elements%trimmed()

@@ -10,7 +10,8 @@ module amontons_element_integration_points
   use amontons_user_routines, only: creep_type
   implicit none
   private
-  public :: integration_points_type, set_point_input, store_point_output, store_point_history, split_unsymmetric_tangent
+  public :: integration_points_type, set_point_input, store_point_output, store_point_history, &
+    split_unsymmetric_tangent, TOL_SYMMETRIC
   public :: ELEMENT_OK, ELEMENT_INVERTED, ELEMENT_NOT_FINITE, ELEMENT_DEGENERATE
 
   integer, parameter :: ELEMENT_OK = 0             !< all is well
@@ -28,6 +29,7 @@ module amontons_element_integration_points
     logical :: is_shell = .false.                  !< the solid is one layer of an expanded shell, CSS6: the only one
     real(DP) :: stack_bending(2, 2) = 0            !< CSS6, one of several layers: stiffness of the bubble [stress/length]
     real(DP) :: walls(4) = 0                       !< of a hollow beam, see mesh [-]
+    real(DP) :: cohesive(2) = [1.0_DP, 0.0_DP]     !< of cohesive elements: thickness of their strains [length], viscosity [time]
     integer :: directions(2)                       !< of SPRING1, SPRING2
     type(spring_type), allocatable :: spring       !< law of a spring or gap that is more than a constant
     logical :: has_frame                           !< frame is set; else the axes are the global ones

@@ -38,6 +38,8 @@ module amontons_controls
     real(DP) :: min_lost_residual = 0.1_DP   !< least residual of a hopeless attempt over the largest force [-] | 0022
     real(DP) :: sufficient_decrease = 0.25_DP   !< ratio of residuals over two iterations that counts as convergence [-] | 0022
     real(DP) :: diverged_residual = 0.5_DP   !< over the largest force: the cut-back is that of divergence [-] | 0022
+    integer :: max_stable_attempts = 2     !< attempts at an increment with damage; later ones may snap to another equilibrium | set
+    integer :: max_snap_iterations = 100   !< iterations of an attempt that may snap | set
     real(DP) :: min_crossing_steepness = 0.25_DP   !< normal part of a path over its length; a flatter path that ends beyond the
                                            !! border slid over the border [-] | tunnelling_check
   end type newton_controls_type

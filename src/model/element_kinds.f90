@@ -16,10 +16,11 @@ module amontons_element_kinds
   public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS, KIND_R2D2, KIND_RAX2, KIND_USER
   public :: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D6, KIND_M3D8R, &
     KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_SAX1, KIND_SAX2
+  public :: KIND_COH2D4, KIND_COHAX4, KIND_COH3D6, KIND_COH3D8
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
-    FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, FAMILY_USER, is_structural_family, &
-    has_faces_in_space, is_membrane, is_two_sided, is_one_point
+    FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, FAMILY_USER, FAMILY_COHESIVE, is_structural_family, &
+    has_faces_in_space, is_membrane, is_two_sided, is_one_point, is_cohesive, opposite_node
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
   public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_ELEMENT_AMPLITUDES, MAX_FACE_NODES, N_CIRCLE_SECTORS
 
@@ -76,27 +77,31 @@ module amontons_element_kinds
   integer, parameter :: KIND_R2D2 = 53        !< rigid edge in the plane: a face on both sides, no stiffness
   integer, parameter :: KIND_RAX2 = 54        !< the same of a body of revolution
   integer, parameter :: KIND_USER = 55        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
-  integer, parameter :: N_KINDS = 55
+  integer, parameter :: KIND_COH2D4 = 56      !< cohesive elements: two edges in the plane that face each other
+  integer, parameter :: KIND_COHAX4 = 57      !< the same of a body of revolution
+  integer, parameter :: KIND_COH3D6 = 58      !< two triangles in space
+  integer, parameter :: KIND_COH3D8 = 59      !< two quadrilaterals
+  integer, parameter :: N_KINDS = 59
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 56          !< shells
-  integer, parameter :: KIND_S4 = 57
-  integer, parameter :: KIND_S4R = 58
-  integer, parameter :: KIND_S6 = 59
-  integer, parameter :: KIND_S8 = 60
-  integer, parameter :: KIND_S8R = 61
-  integer, parameter :: KIND_B31 = 62         !< beams
-  integer, parameter :: KIND_B31R = 63
-  integer, parameter :: KIND_B32 = 64         !< end, middle, end
-  integer, parameter :: KIND_B32R = 65
-  integer, parameter :: KIND_SAX1 = 66        !< axisymmetric shells
-  integer, parameter :: KIND_SAX2 = 67        !< end, middle, end
-  integer, parameter :: N_DECK_KINDS = 67
+  integer, parameter :: KIND_S3 = 60          !< shells
+  integer, parameter :: KIND_S4 = 61
+  integer, parameter :: KIND_S4R = 62
+  integer, parameter :: KIND_S6 = 63
+  integer, parameter :: KIND_S8 = 64
+  integer, parameter :: KIND_S8R = 65
+  integer, parameter :: KIND_B31 = 66         !< beams
+  integer, parameter :: KIND_B31R = 67
+  integer, parameter :: KIND_B32 = 68         !< end, middle, end
+  integer, parameter :: KIND_B32R = 69
+  integer, parameter :: KIND_SAX1 = 70        !< axisymmetric shells
+  integer, parameter :: KIND_SAX2 = 71        !< end, middle, end
+  integer, parameter :: N_DECK_KINDS = 71
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
   integer, parameter :: FAMILY_SOLID = 1, FAMILY_PLANE_STRESS = 2, FAMILY_PLANE_STRAIN = 3, FAMILY_AXISYMMETRIC = 4, &
     FAMILY_MEMBRANE = 5, FAMILY_TRUSS = 6, FAMILY_SPRING = 7, FAMILY_MASS = 8, FAMILY_SHELL = 9, FAMILY_BEAM = 10, &
-    FAMILY_RIGID = 11, FAMILY_USER = 12
+    FAMILY_RIGID = 11, FAMILY_USER = 12, FAMILY_COHESIVE = 13
 
   ! Edges are the facets of plane and axisymmetric elements.
   integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4, FACET_LINE2 = 5, &
@@ -217,6 +222,8 @@ contains
       entry%face_nodes(:2, :2) = reshape([1, 2, 2, 1], [2, 2])
     case (KIND_USER)                          ! its words in a deck are U1, U2, ...; any number of nodes
       entry = element_kind_type(name='user', family=FAMILY_USER, vtk_type=2)
+    case (KIND_COH2D4:KIND_COH3D8)
+      entry = cohesive_kind(kind)
     case (KIND_S3:KIND_S8R)
       entry = surface_kind('S', FAMILY_SHELL, kind - KIND_S3)
     case (KIND_M3D3:KIND_M3D8R)
@@ -226,14 +233,10 @@ contains
       entry = element_kind_type(name='SAX1', family=FAMILY_SHELL, n_nodes=2, vtk_type=3)
     case (KIND_SAX2)
       entry = element_kind_type(name='SAX2', family=FAMILY_SHELL, n_nodes=3, vtk_type=21)
-    case (KIND_B31)
-      entry = element_kind_type(name='B31', family=FAMILY_BEAM, n_nodes=2, vtk_type=3)
-    case (KIND_B31R)
-      entry = element_kind_type(name='B31R', family=FAMILY_BEAM, n_nodes=2, vtk_type=3)
-    case (KIND_B32)
-      entry = element_kind_type(name='B32', family=FAMILY_BEAM, n_nodes=3, vtk_type=21)
-    case (KIND_B32R)
-      entry = element_kind_type(name='B32R', family=FAMILY_BEAM, n_nodes=3, vtk_type=21)
+    case (KIND_B31, KIND_B31R)
+      entry = element_kind_type(name=merge('B31 ', 'B31R', kind == KIND_B31), family=FAMILY_BEAM, n_nodes=2, vtk_type=3)
+    case (KIND_B32, KIND_B32R)
+      entry = element_kind_type(name=merge('B32 ', 'B32R', kind == KIND_B32), family=FAMILY_BEAM, n_nodes=3, vtk_type=21)
     end select
   end function element_kind
 
@@ -347,8 +350,52 @@ contains
   !> Whether the faces of a kind are surfaces in space: solids, membranes.
   elemental logical function has_faces_in_space(kind)
     integer, intent(in) :: kind               !< KIND_...
-    has_faces_in_space = kind <= N_SOLID_KINDS .or. is_membrane(kind)
+    has_faces_in_space = kind <= N_SOLID_KINDS .or. is_membrane(kind) .or. kind == KIND_COH3D6 .or. kind == KIND_COH3D8
   end function has_faces_in_space
+
+
+  !> Whether a kind is cohesive: two faces that hold each other by tractions over their separation.
+  elemental logical function is_cohesive(kind)
+    integer, intent(in) :: kind               !< KIND_...
+    is_cohesive = kind >= KIND_COH2D4 .and. kind <= KIND_COH3D8
+  end function is_cohesive
+
+
+  !> The local node of a cohesive element that faces a node of its first half.
+  elemental integer function opposite_node(kind, a) result(opposite)
+    integer, intent(in) :: kind               !< KIND_COH...
+    integer, intent(in) :: a                  !< 1 to half the nodes
+    select case (kind)
+    case (KIND_COH3D6)
+      opposite = a + 3
+    case (KIND_COH3D8)
+      opposite = a + 4
+    case default
+      opposite = 5 - a
+    end select
+  end function opposite_node
+
+
+  !> Entries of the cohesive elements. Faces are those that hold each other, S1 and S2 in space, S1 and S3 in the plane.
+  pure function cohesive_kind(kind) result(entry)
+    integer, intent(in) :: kind               !< KIND_COH...
+    type(element_kind_type) :: entry
+    entry = element_kind_type(name='COH2D4', family=FAMILY_COHESIVE, n_nodes=4, n_points=2, n_faces=2, vtk_type=9)
+    entry%face_kind(:2) = FACET_LINE2
+    entry%face_nodes(:2, :2) = reshape([1, 2, 3, 4], [2, 2])
+    select case (kind)
+    case (KIND_COHAX4)
+      entry%name = 'COHAX4'
+    case (KIND_COH3D6)
+      entry = wedge_kind('COH3D6', 6, 3, 13)
+    case (KIND_COH3D8)
+      entry = hexahedron_kind('COH3D8', 8, 4, 12)
+    end select
+    entry%family = FAMILY_COHESIVE
+    entry%n_faces = 2
+    entry%face_kind(3:) = 0
+    entry%face_nodes(:, 3:) = 0
+  end function cohesive_kind
 
 
   !> Entries of the shells and membranes; the faces of shells are those of the solids into which they are expanded.

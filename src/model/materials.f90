@@ -10,12 +10,14 @@ module amontons_materials
     evaluate_curve, find_interval
   public :: law_name, LAW_HENCKY, LAW_SAINT_VENANT, MAX_LAW_NAME_LENGTH
   public :: ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, &
-    ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, is_linear_elastic, is_hyperelastic, &
+    ELASTIC_TENSION_ONLY, ELASTIC_COMPRESSION_ONLY, ELASTIC_CIARLET, ELASTIC_FIBRES, ELASTIC_TRACTION, is_linear_elastic, &
+    is_hyperelastic, &
     is_one_sided, is_law_of_invariants, is_isotropic_elastic, has_no_energy
   public :: HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER
   public :: YIELD_ROUND, YIELD_RATIO, YIELD_MOHR_COULOMB, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, CONE_COHESION
   public :: INELASTIC_NONE, INELASTIC_CRYSTAL, INELASTIC_CRYSTAL_CREEP, INELASTIC_LINEAR
   public :: CREEP_NONE, CREEP_TIME_HARDENING, CREEP_STRAIN_HARDENING, CREEP_USER
+  public :: damage_type, SOFTENING_LINEAR, SOFTENING_EXPONENTIAL, SOFTENING_TABULAR, MIX_NONE, MIX_POWER_LAW, MIX_BENZEGGAGH_KENANE
   public :: RATE_NONE, RATE_POWER, RATE_RATIO, RATE_CURVES, rate_curves_type
   public :: MAX_CONSTANTS, MAX_HISTORY, HISTORY_PEEQ, HISTORY_CEEQ, HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH
   public :: verdict_place, user_field_place
@@ -35,6 +37,8 @@ module amontons_materials
   integer, parameter :: ELASTIC_COMPRESSION_ONLY = 7   !< E, largest tensile stress
   integer, parameter :: ELASTIC_CIARLET = 8     !< E, nu
   integer, parameter :: ELASTIC_FIBRES = 9      !< C1, D1, then of each fibre two components of its direction, k1, k2
+
+  integer, parameter :: ELASTIC_TRACTION = 10   !< of cohesive elements: three stiffnesses, normal, first and second shear
 
   integer, parameter :: HYPER_POLYNOMIAL = 1    !< C_ij, i + j = 1 to N, as 10 01 20 11 02 30 ..., then D_1 to D_N
   integer, parameter :: HYPER_OGDEN = 2         !< mu_1 alpha_1 ... mu_N alpha_N, then D_1 to D_N; foam: nu_i for D_i
@@ -62,6 +66,11 @@ module amontons_materials
   integer, parameter :: RATE_POWER = 1          !< rate = D (ratio - 1)^n, the ratio of the yield stress to the static one
   integer, parameter :: RATE_RATIO = 2          !< a table of the ratio over the rate
   integer, parameter :: RATE_CURVES = 3         !< hardening curves of several rates
+
+  integer, parameter :: SOFTENING_LINEAR = 1, SOFTENING_EXPONENTIAL = 2, SOFTENING_TABULAR = 3
+  integer, parameter :: MIX_NONE = 1            !< one fracture energy for all modes
+  integer, parameter :: MIX_POWER_LAW = 2       !< sum of (G_i/G_ic)^alpha is 1
+  integer, parameter :: MIX_BENZEGGAGH_KENANE = 3   !< G = Gn + (Gs - Gn) (shear part of the energy)^eta
 
   ! The history variables of an integration point: its committed state, without position.
   integer, parameter :: HISTORY_PEEQ = 1        !< equivalent plastic strain [-]
@@ -131,6 +140,22 @@ module amontons_materials
     real(DP) :: layer_angle = 0                     !< further rotation about the normal [rad]
   end type orientation_type
 
+  !> Damage of a cohesive law.
+  type :: damage_type
+    logical :: is_of_strain = .false.            !< the limits are strains; else stresses
+    logical :: is_quadratic = .false.            !< root of the sum of squares; else the largest ratio
+    type(property_table_type) :: initiation      !< limits: normal, first and second shear [stress] or [-]
+    logical :: has_evolution = .false.           !< damage grows; else the criterion is found alone
+    logical :: is_by_energy = .false.            !< evolution by fracture energies; else by a separation
+    integer :: softening = SOFTENING_LINEAR      !< SOFTENING_...
+    integer :: mode_mix = MIX_NONE               !< MIX_...
+    real(DP) :: mix_exponent = 0                 !< alpha or eta [-]
+    type(property_table_type) :: evolution       !< G, or Gn, Gs, Gt [energy/area]; or separation from the start of damage to its
+                                                 !! end [length] and alpha of exponential softening [-]
+    real(DP), allocatable :: table(:, :)         !< (2, rows) of tabular softening: separation since the start [length], damage [-]
+    real(DP) :: viscosity = 0                    !< of DAMAGE STABILIZATION [time]
+  end type damage_type
+
   !> One material. Under small displacements every linear elastic law is Hooke's law.
   type :: material_type
     character(:), allocatable :: name
@@ -178,6 +203,7 @@ module amontons_materials
     real(DP), allocatable :: prony(:, :)        !< (3, terms) g, k [-] and tau [time] of viscoelasticity, whose elasticity is the
                                                 !! instantaneous one; unallocated: none
     integer :: inner_first = 0, n_inner = 0     !< history variables of a law beyond MAX_HISTORY: the first, their number
+    type(damage_type), allocatable :: damage     !< of a cohesive law
     logical :: is_user = .false.                !< UMAT gives the stress
     logical :: is_user_field = .false.          !< USDFLD gives the field variables at its points
     logical :: is_called_in_3d = .false.             !< UMAT is called with three-dimensional arguments for all elements

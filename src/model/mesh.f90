@@ -6,7 +6,7 @@ module amontons_mesh
   use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind_type, facet_kind, MAX_ELEMENT_NODES, &
     KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_MEMBRANE, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
-    FAMILY_RIGID, FAMILY_USER
+    FAMILY_RIGID, FAMILY_USER, FAMILY_COHESIVE, has_faces_in_space
   use amontons_tensor, only: cross_product
   implicit none
   private
@@ -36,6 +36,8 @@ module amontons_mesh
     !< constant [force/length] or mass [mass], by the kind; else 1
     real(DP), allocatable :: walls(:, :)           !< (4, n_elements) hollow beams: thickness of the walls over the dimension, see
                                                    !! module beam_rules, full beams of C3D8I 1/2; unallocated: there are none [-]
+    real(DP), allocatable :: cohesive(:, :)        !< (2, n_elements) cohesive elements: thickness of their strains [length],
+                                                   !! viscosity of their damage [time]; unallocated: there are none
     integer, allocatable :: directions(:, :)       !< (2, n_elements) directions of SPRING1, SPRING2; else 0
     integer, allocatable :: section(:)             !< (n_elements) number of its SECTION card (or the like) in the deck; 0: none
     integer, allocatable :: spring(:)              !< (n_elements) index into model%springs, 0: constant of section; unallocated: 0
@@ -139,6 +141,7 @@ contains
       if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
       kind = mesh%kind(e)
       is_plane = any(entry%family == [FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_RIGID])
+      if (entry%family == FAMILY_COHESIVE) is_plane = .not. has_faces_in_space(kind)
       if (allocated(mesh%is_in_plane)) is_plane = is_plane .or. mesh%is_in_plane(e)
       if (.not. is_plane) cycle
       do i = mesh%first(e), mesh%first(e + 1) - 1
@@ -159,6 +162,8 @@ contains
     integer, intent(in) :: family                  !< FAMILY_...
     logical :: resists(3)
     select case (family)
+    case (FAMILY_COHESIVE)
+      resists = [.true., .true., has_faces_in_space(mesh%kind(e))]
     case (FAMILY_SOLID, FAMILY_MEMBRANE, FAMILY_TRUSS)
       resists = .true.
     case (FAMILY_MASS)

@@ -20,7 +20,7 @@ module amontons_model
   private
   public :: model_type, restart_origin_type, job_options_type, job_path, dof_direction, n_nonlinear_mpcs, list_follower_nodes, &
     find_finite_rotations, &
-    has_unsymmetric_elements, with_pretension_copies, new_equation, append_equation, append_mpc, &
+    has_unsymmetric_elements, has_damage, has_damage_law, with_pretension_copies, new_equation, append_equation, append_mpc, &
     gather_constraints, &
     is_out, absent_elements, free_unknowns, material_in_step, load_now, displacement_now, &
     MAX_PARTITIONS, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
@@ -133,6 +133,25 @@ contains
     has = any(model%materials%is_unsymmetric)
     if (allocated(model%user_elements)) has = has .or. any(model%user_elements%kinds%is_unsymmetric)
   end function has_unsymmetric_elements
+
+
+  !> Whether tractions of some material fall by damage.
+  pure logical function has_damage(model)
+    type(model_type), intent(in) :: model
+    integer :: m
+    has_damage = .false.
+    do m = 1, size(model%materials)
+      if (allocated(model%materials(m)%damage)) has_damage = has_damage .or. model%materials(m)%damage%has_evolution
+    end do
+  end function has_damage
+
+
+  !> Whether some material has a criterion of damage.
+  pure logical function has_damage_law(model)
+    type(model_type), intent(in) :: model
+    integer :: m
+    has_damage_law = any([(allocated(model%materials(m)%damage), m=1, size(model%materials))])
+  end function has_damage_law
 
 
   !> Nodes on which forces turn with their rotation nodes in some step, each once.

@@ -12,7 +12,7 @@ module amontons_model_check
   use amontons_errors, only: error_type, diagnostic_list_type, set_error, EXIT_SETUP
   use amontons_text, only: to_text, plural, NEWLINE
   use amontons_containers, only: integer_list_type
-  use amontons_element_kinds, only: element_kind, element_kind_type, KIND_SPRINGA, N_KINDS
+  use amontons_element_kinds, only: element_kind, element_kind_type, is_cohesive, KIND_SPRINGA, N_KINDS
   use amontons_element, only: evaluate_element_volume, ELEMENT_OK
   use amontons_mesh, only: mesh_type, wall_ratios
   use amontons_loads, only: equation_type, load_value, integrated_velocity, DISTRIBUTED_PRESSURE, DISTRIBUTED_GRAVITY, &
@@ -124,7 +124,7 @@ contains
     integer :: e, i, k, m
     allocate (is_used(size(model%materials)), is_heavy(size(model%materials)), source=.false.)
     do e = 1, model%mesh%n_elements
-      if (model%mesh%kind(e) >= KIND_SPRINGA) cycle      ! springs and masses need no material
+      if (model%mesh%kind(e) >= KIND_SPRINGA .and. .not. is_cohesive(model%mesh%kind(e))) cycle   ! need no material
       if (model%mesh%material(e) == 0) then
         call none%add(model%mesh%element_label(e))
       else

@@ -282,7 +282,11 @@ contains
       lines = [lines, describe_pressure(model, system, state)]
     end select
     line = 'Remedy: ' // remedy_words(failure)
-    if (any(model%materials%cutoff_sign /= 0) .and. any(family_of(failure) == [FAMILY_SLOW, FAMILY_LIMIT_POINT])) then
+    if (system%may_soften .and. any(family_of(failure) == [FAMILY_SLOW, FAMILY_LIMIT_POINT])) then
+      line = 'Remedy: a viscosity of the damage (*SECTION CONTROLS, VISCOSITY) of a thousandth of the step or less, more elements'
+      lines = [lines, line]
+      line = '  along the cohesive zone, or a lower strength of the cohesive law.'
+    else if (any(model%materials%cutoff_sign /= 0) .and. any(family_of(failure) == [FAMILY_SLOW, FAMILY_LIMIT_POINT])) then
       line = 'Remedy: the size of increments does not matter to *NO TENSION and *NO COMPRESSION. Take Abaqus''s criteria and more'
       lines = [lines, line]
       line = '  iterations (*CONTROLS, PARAMETERS=FIELD: 5e-3, 1e-2; PARAMETERS=TIME INCREMENTATION: 40, 40, , 60), not C3D8I.'

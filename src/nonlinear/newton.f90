@@ -27,7 +27,7 @@ module amontons_newton
   use amontons_boundary_conditions, only: support_powers
   implicit none
   private
-  public :: newton_type, begin_newton, iterate
+  public :: newton_type, begin_newton, choose_descent, iterate
 
   real(DP), parameter :: MIN_FORCE_CHANGE = 1.0e-3_DP    !< of loads that turn back, by their work on a motion [-]
 
@@ -147,6 +147,19 @@ contains
   end subroutine iterate
 
 
+  !> Whether directions of the next attempt descend where the tangent is not positive, and whether they may lead to another
+  !! equilibrium: with damage each node of a coarse mesh may snap, in increments however short.
+  pure subroutine choose_descent(newton, system, attempt)
+    type(newton_type), intent(in) :: newton
+    type(equilibrium_type), intent(inout) :: system
+    integer, intent(in) :: attempt                 !< at the increment, from 1
+    associate (can_be_cut_back => newton%can_be_cut_back)
+      system%may_snap = system%may_soften .and. (.not. can_be_cut_back .or. attempt > system%controls%newton%max_stable_attempts)
+      system%seeks_descent = system%may_collapse .and. (can_be_cut_back .or. system%may_snap)
+    end associate
+  end subroutine choose_descent
+
+
   !> Admissible merit of the contact subproblem over that at its start: the square of the last decrease of the residual, so that
   !! Newton's quadratic convergence is kept. Source: S. C. Eisenstat, H. F. Walker, SIAM J. Sci. Comput. 17 (1996) 16-32, choice 2.
   pure real(DP) function forcing_term(controls, measures)
@@ -229,7 +242,7 @@ contains
     controls = controls_of(step)
     is_contact_active = any(state%new%slaves%status /= STATUS_OPEN) .and. (all(model%materials%n_history == 0) .or. &
       newton%active_set_history%hash(1) /= newton%active_set_history%hash(3))   ! yielding takes iterations
-    is_near_collapse = system%seeks_descent .and. system%n_shifted > newton%n_shifted
+    is_near_collapse = system%seeks_descent .and. system%n_shifted > newton%n_shifted .and. .not. system%may_snap
     verdict = assess_convergence(controls, newton%measures)
     if (newton%globalization%step_kind == STEP_KIND_SNAP_THROUGH .and. verdict /= VERDICT_CONVERGED &
       .and. n_counted(newton%measures) < controls%i_c) &
@@ -245,6 +258,11 @@ contains
     end if
     if (verdict == VERDICT_CONVERGED .and. system%contact%n_imposed > 0) &   ! imposed stick beyond friction: iterate again
       verdict = merge(VERDICT_CONTINUE, VERDICT_TOO_SLOW, n_counted(newton%measures) < controls%i_c)
+    if (system%may_snap .and. system%reduced_system%n_shifted > 0 .and. any(verdict == [VERDICT_TOO_SLOW, VERDICT_DIVERGES]) .and. &
+      newton%measures%iteration < controls%newton%max_snap_iterations) then
+      newton%measures%n_renewed = newton%measures%iteration - newton%measures%n_approaching
+      verdict = VERDICT_CONTINUE
+    end if
     if (step%line_search == LINE_SEARCH_AUTO .or. step%solver == SOLVER_GRADIENTS) &
       call treat_cycles(newton, system, model, step, state, verdict)
     if (verdict == VERDICT_CONVERGED) call treat_midsides(newton, system, model, step, state, verdict)

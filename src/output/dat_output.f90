@@ -9,10 +9,9 @@ module amontons_dat_output
   use amontons_beam_rules, only: MAX_PRINTED_POINTS
   use amontons_text, only: upper_case
   use amontons_tensor, only: pack_voigt, unpack_voigt
-  use amontons_element_kinds, only: MAX_ELEMENT_POINTS
+  use amontons_element_kinds, only: MAX_ELEMENT_POINTS, is_cohesive
   use amontons_postprocess, only: find_printed_points, mechanical_strain, integration_point_positions, integration_point_volumes, &
-    sector_share, printed_energy_density, &
-    convert_to_sector, rotate_truss_tensors
+    sector_share, printed_energy_density, damage_variables, convert_to_sector, rotate_truss_tensors
   use amontons_mesh, only: mesh_type, set_type
   use amontons_steps, only: print_request_type, PRINT_CONTACT, PRINT_ELEMENT, PRINT_NODE, PRINT_SECTION
   use amontons_materials, only: HISTORY_CEEQ
@@ -202,7 +201,8 @@ contains
   end subroutine print_node_rows
 
 
-  !> S, E, ME, PEEQ, CEEQ, ENER, COORD at the integration points of an element set; ELSE, EVOL, SF, SM of its elements.
+  !> S, E, ME, PEEQ, CEEQ, SDEG, DMICRT, SDV, ENER, COORD at the integration points of an element set; ELSE, EVOL, SF, SM of its
+  !! elements.
   subroutine print_element_variable(unit, model, fields, request, variable, is_nlgeom)
     integer, intent(in) :: unit
     type(model_type), intent(in) :: model
@@ -211,7 +211,7 @@ contains
     character(*), intent(in) :: variable
     logical, intent(in) :: is_nlgeom
     type(set_type) :: set
-    real(DP), allocatable :: places(:, :)
+    real(DP), allocatable :: places(:, :), damage(:, :)
     set = set_of(model%mesh, request)
     associate (time => fields%total_time, mesh => model%mesh)
       select case (variable)
@@ -231,6 +231,14 @@ contains
       case ('CEEQ')
         call print_head(unit, 'equivalent creep strain (elem, integ.pnt.,ce)', set, time)
         call print_point_rows(unit, model, fields%step, set, reshape(history_variable(fields, HISTORY_CEEQ), [1, mesh%n_points]))
+      case ('SDEG')
+        damage = damage_variables(model, fields)
+        call print_head(unit, 'damage (elem, integ.pnt.,sdeg)', set, time)
+        call print_point_rows(unit, model, fields%step, set, damage(1:1, :))
+      case ('DMICRT')
+        damage = damage_variables(model, fields)
+        call print_head(unit, 'criterion of damage (elem, integ.pnt.,dmicrt)', set, time)
+        call print_point_rows(unit, model, fields%step, set, damage(2:2, :))
       case ('SDV')
         if (n_state_variables(model, fields) == 0) return   ! no state variables
         call print_head(unit, 'internal state variables (elem, integ.pnt.,values)', set, time)
@@ -265,7 +273,7 @@ contains
       real(DP), intent(in) :: values(:, :)         !< (6, n_points) xx yy zz xy yz xz, global
       integer, parameter :: PRINTED_ORDER(6) = [1, 2, 3, 4, 6, 5]
       real(DP), allocatable :: turned(:, :)
-      turned = in_orientation(fields, values, request%is_local)
+      turned = in_orientation(model%mesh, fields, values, request%is_local)
       call print_point_rows(unit, model, fields%step, set, turned(PRINTED_ORDER, :))
     end subroutine print_tensors
 
@@ -294,18 +302,22 @@ contains
 
 
   !> Tensors at the points, in the axes of their orientation if requested.
-  pure function in_orientation(fields, values, is_local) result(turned)
+  pure function in_orientation(mesh, fields, values, is_local) result(turned)
+    type(mesh_type), intent(in) :: mesh
     type(fields_type), intent(in) :: fields
     real(DP), intent(in) :: values(:, :)           !< (6, n_points) xx yy zz xy yz xz, global
     logical, intent(in) :: is_local
     real(DP) :: turned(6, size(values, 2))
-    integer :: p
+    integer :: e, p
     turned = values
     if (.not. (is_local .and. allocated(fields%frame))) return
-    do p = 1, size(values, 2)
-      associate (R => fields%frame(:, :, p))
-        turned(:, p) = pack_voigt(matmul(transpose(R), matmul(unpack_voigt(values(:, p)), R)))
-      end associate
+    do e = 1, mesh%n_elements
+      if (is_cohesive(mesh%kind(e))) cycle         ! in the axes of their faces already
+      do p = mesh%point_first(e), mesh%point_first(e + 1) - 1
+        associate (R => fields%frame(:, :, p))
+          turned(:, p) = pack_voigt(matmul(transpose(R), matmul(unpack_voigt(values(:, p)), R)))
+        end associate
+      end do
     end do
   end function in_orientation
 

@@ -529,7 +529,7 @@ contains
     subroutine average_oriented(at_points)
       real(DP), intent(in) :: at_points(:, :)      !< (6, n_points) global
       if (is_local .and. allocated(fields%frame)) then
-        call average_scalars(in_orientation(fields, at_points, is_local))
+        call average_scalars(in_orientation(model%mesh, fields, at_points, is_local))
       else
         call average_scalars(at_points)
       end if

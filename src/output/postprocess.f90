@@ -30,6 +30,7 @@ module amontons_postprocess
   use amontons_material_point, only: evaluate_thermal_strain
   use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
   use amontons_state, only: fields_type, slave_state_type, STATUS_OPEN, STATUS_SLIP
+  use amontons_traction_separation, only: STATE_DELAYED, STATE_CRITERION
   use amontons_tensor, only: IDENTITY, cross_product, unpack_voigt, determinant_minus_one, double_dot, extreme_eigenvalues, &
     von_mises
   use amontons_surfaces, only: surface_type, BEHAVIOR_LINEAR, BEHAVIOR_USER
@@ -43,7 +44,7 @@ module amontons_postprocess
   public :: sector_share, convert_to_sector, rotate_truss_tensors, has_truss_axes, find_printed_points
   public :: nodal_slaves, n_nodal_slaves, printed_slip, printed_contact_energy
   public :: pair_sums_type, find_edge_corners, sum_pair_forces
-  public :: add_inelastic_work, printed_energy_density
+  public :: add_inelastic_work, printed_energy_density, damage_variables
 
   real(DP), parameter :: EXTRAPOLATION_WEIGHT = 0.5_DP * (1 + sqrt(5.0_DP / 3.0_DP))   !< weight of the nearer point in a rule
                                                                                        !! of three [-]
@@ -814,7 +815,10 @@ contains
         if (material%is_user .or. material%is_linear_isotropic) cycle
         do p = model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1
           change = new%history(:, p) - old%history(:, p)
-          if (allocated(material%kinematic_hardening)) then
+          if (allocated(material%damage)) then
+            work = 0.5_DP * double_dot(old%stress(:, p) + new%stress(:, p), new%strain(:, p) - old%strain(:, p)) - &
+              (new%energy(p) - old%energy(p))
+          else if (allocated(material%kinematic_hardening)) then
             work = 0.5_DP * double_dot(old%stress(:, p) + new%stress(:, p), change(HISTORY_INELASTIC:HISTORY_INELASTIC + 5))
           else
             work = 0.5_DP * (von_mises(old%stress(:, p)) + von_mises(new%stress(:, p))) * &
@@ -828,6 +832,25 @@ contains
       end associate
     end do
   end subroutine add_inelastic_work
+
+
+  !> SDEG and DMICRT: damage of cohesive laws, and the largest value so far of its criterion.
+  pure function damage_variables(model, fields) result(values)
+    type(model_type), intent(in) :: model
+    type(fields_type), intent(in) :: fields
+    real(DP) :: values(2, model%mesh%n_points)     !< [-]
+    integer :: e, m
+    values = 0
+    do e = 1, model%mesh%n_elements
+      m = material_in_step(model, fields%step, e)
+      if (m == 0) cycle
+      if (.not. allocated(model%materials(m)%damage)) cycle
+      associate (points => [model%mesh%point_first(e), model%mesh%point_first(e + 1) - 1], first => model%materials(m)%inner_first)
+        values(1, points(1):points(2)) = fields%history(first + STATE_DELAYED - 1, points(1):points(2))
+        values(2, points(1):points(2)) = fields%history(first + STATE_CRITERION - 1, points(1):points(2))
+      end associate
+    end do
+  end function damage_variables
 
 
   !> ENER for tables and fields: the strain energy; in CalculiX including the work on plastic and creep strains.

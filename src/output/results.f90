@@ -34,7 +34,7 @@ module amontons_results
   use amontons_mesh, only: mesh_type, mesh_extent
   use amontons_steps, only: is_output_due
   use amontons_materials, only: HISTORY_PEEQ, USER_STATE
-  use amontons_model, only: job_options_type, job_path, model_type, DIALECT_CALCULIX
+  use amontons_model, only: job_options_type, job_path, model_type, has_damage_law, DIALECT_CALCULIX
   use amontons_iteration_records, only: increment_record_type, iteration_record_type, REPORT_LINE_LENGTH
   use amontons_state, only: history_variable, fields_type, slave_state_type
   use amontons_hdf5_file, only: append_rows, apply_pages, close_hdf5, create_group, create_hdf5, create_table, &
@@ -54,7 +54,7 @@ module amontons_results
     N_HISTORY_INTEGERS, N_HISTORY_REALS, N_ITERATION_INTEGERS, N_ITERATION_REALS, N_PAIR_INTEGERS, N_PAIR_REALS, &
     N_POINT_INTEGERS, N_POINT_REALS, PAIR_COLUMNS, POINT_COLUMNS, STRUCTURE_COLUMNS, &
     STRAIN_COLUMN
-  use amontons_postprocess, only: pair_sums_type, nodal_slaves, sum_pair_forces
+  use amontons_postprocess, only: pair_sums_type, nodal_slaves, sum_pair_forces, damage_variables
   implicit none
   private
   public :: results_type, open_results, write_model, resume_results, write_increment, write_attempt, write_iteration, close_results
@@ -500,7 +500,7 @@ contains
   end function columns_of_nodes
 
 
-  !> The columns of the integration points, with STATEV if a user material has state variables.
+  !> The columns of the integration points, with STATEV if a user material has state variables, and with damage.
   pure function columns_of_points(model) result(columns)
     type(model_type), intent(in) :: model
     type(result_column_type), allocatable :: columns(:)
@@ -509,6 +509,9 @@ contains
     n = 0
     if (size(model%materials) > 0) n = maxval(model%materials%n_statev)
     if (n > 0) columns = [columns, result_column_type('SDV', n, '[-]', 'State variables of UMAT or USDFLD (STATEV).')]
+    if (has_damage_law(model)) columns = [columns, &
+      result_column_type('SDEG', 1, '[-]', 'Damage of cohesive elements; 0 elsewhere.'), &
+      result_column_type('DMICRT', 1, '[-]', 'Largest value so far of the criterion of damage, at most 1; 0 elsewhere.')]
   end function columns_of_points
 
 
@@ -544,7 +547,7 @@ contains
       end if
     end if
     if (results%content /= CONTENT_TIED) then
-      call check_points(results, fields, error)
+      call check_points(results, model, fields, error)
       if (.not. allocated(error)) call pack_nodes(results, model, fields, slaves, reals, integers, error)
       if (allocated(error)) return
     end if
@@ -557,7 +560,7 @@ contains
       if (results%content /= CONTENT_TIED) then
         call append_columns(store, results%point_columns, integers, reals, results%point, error)
         deallocate (integers, reals)
-        if (.not. allocated(error)) call append_points(results, fields, error)
+        if (.not. allocated(error)) call append_points(results, model, fields, error)
       end if
       if (results%content /= CONTENT_PARTITION .and. .not. allocated(error)) call append_columns(store, CONTACT_COLUMNS, &
         contact_integers, contact_reals, results%contact, error)
@@ -591,8 +594,9 @@ contains
 
 
   !> Sets an error if a value at an integration point is NaN or infinite.
-  subroutine check_points(results, fields, error)
+  subroutine check_points(results, model, fields, error)
     type(results_type), intent(in) :: results
+    type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: WHERE = 'integration point'
@@ -602,17 +606,21 @@ contains
       if (.not. allocated(error)) call check_finite(WHERE, columns(3:3), reshape(fields%energy, [1, size(fields%energy)]), error)
       if (allocated(error) .or. size(fields%history, 1) == 0) return
       call check_finite(WHERE, columns(4:4), reshape(history_variable(fields, HISTORY_PEEQ), [1, size(fields%energy)]), error)
-      if (.not. allocated(error) .and. size(columns) > 4) call check_finite(WHERE, columns(5:), &
+      if (.not. allocated(error) .and. has_column('SDV', columns)) call check_finite(WHERE, columns(5:5), &
         fields%history(USER_STATE:USER_STATE + columns(5)%width - 1, :), error)
+      if (.not. allocated(error) .and. has_column('SDEG', columns)) call check_finite(WHERE, columns(size(columns) - 1:), &
+        damage_variables(model, fields), error)
     end associate
   end subroutine check_points
 
 
   !> Appends the fields at the integration points, without a common copy.
-  subroutine append_points(results, fields, error)
+  subroutine append_points(results, model, fields, error)
     type(results_type), intent(inout) :: results
+    type(model_type), intent(in) :: model
     type(fields_type), intent(in) :: fields
     type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: damage(:, :)
     integer :: n
     n = size(fields%energy)
     associate (table => results%integration)
@@ -621,10 +629,23 @@ contains
       if (.not. allocated(error)) call append_values(results, table(3), reshape(fields%energy, [1, n]), error)
       if (.not. allocated(error)) call append_values(results, table(4), reshape(history_variable(fields, HISTORY_PEEQ), [1, n]), &
         error)
-      if (.not. allocated(error) .and. size(table) > 4) call append_values(results, table(5), fields%history(USER_STATE:USER_STATE &
-        + results%integration_columns(5)%width - 1, :), error)
+      if (.not. allocated(error) .and. has_column('SDV', results%integration_columns)) call append_values(results, table(5), &
+        fields%history(USER_STATE:USER_STATE + results%integration_columns(5)%width - 1, :), error)
+      if (allocated(error) .or. .not. has_column('SDEG', results%integration_columns)) return
+      damage = damage_variables(model, fields)
+      call append_values(results, table(size(table) - 1), damage(1:1, :), error)
+      if (.not. allocated(error)) call append_values(results, table(size(table)), damage(2:2, :), error)
     end associate
   end subroutine append_points
+
+
+  !> Whether there is a column of a name.
+  pure logical function has_column(name, columns)
+    character(*), intent(in) :: name
+    type(result_column_type), intent(in) :: columns(:)
+    integer :: i
+    has_column = any([(columns(i)%name == name, i=1, size(columns))])
+  end function has_column
 
 
   !> Appends values at the integration points of the file.

@@ -10,7 +10,7 @@ program test_shape_functions
     MAX_FACE_NODES, N_KINDS, KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8R, KIND_C3D10, KIND_C3D15, KIND_C3D20, KIND_CSS6, &
     KIND_C3D15_LAYER, &
     KIND_T3D2, KIND_T3D3, KIND_CPS3, KIND_M3D8R, KIND_USER, FAMILY_SOLID, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, &
-    FAMILY_RIGID, FACET_TRI3, &
+    FAMILY_RIGID, FACET_TRI3, is_cohesive, opposite_node, KIND_COH3D6, KIND_COH3D8, &
     FACET_QUAD4, FACET_QUAD8, FACET_LINE2, FACET_LINE3, element_kind_by_name
   use check, only: suite_type
   implicit none
@@ -20,7 +20,8 @@ program test_shape_functions
   do kind = 1, N_KINDS
     if (kind == KIND_USER) cycle                 ! its words are in the deck, its functions in UEL
     call check_name(kind)
-    if (n_dims(kind) == 0) cycle
+    if (is_cohesive(kind)) call check_pairs(kind)
+    if (n_dims(kind) == 0 .or. is_cohesive(kind)) cycle
     call check_element(kind)
     if (.not. is_beam_kind(kind)) call check_rule(kind)      ! test_beam_rules
     call check_faces(kind)
@@ -37,6 +38,33 @@ program test_shape_functions
   call suite%finish()
 
 contains
+
+  !> Cohesive elements: half of each node of a pair at its point, weights of the face, values of points to their pairs.
+  subroutine check_pairs(kind)
+    integer, intent(in) :: kind
+    real(DP) :: xi(3, MAX_ELEMENT_POINTS), w(MAX_ELEMENT_POINTS), N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), &
+      at(3, MAX_ELEMENT_NODES), matrix(MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS)
+    type(element_kind_type) :: entry
+    integer :: n_points, n_nodes, p
+    entry = element_kind(kind)
+    call quadrature(kind, n_points, xi, w)
+    call node_coordinates(kind, at)
+    call extrapolation_matrix(kind, matrix, n_nodes, n_points)
+    call suite%that(entry%name // 'numbers', n_points == entry%n_points .and. n_nodes == 2 * n_points)
+    call suite%near(entry%name // 'weights', sum(w(:n_points)), merge(0.5_DP, merge(4.0_DP, 2.0_DP, kind == KIND_COH3D8), &
+      kind == KIND_COH3D6), 1e-15_DP)
+    do p = 1, n_points
+      call shape_functions(kind, xi(:, p), N, dN)
+      call suite%near(entry%name // 'half of each', abs(N(p) - 0.5_DP) + abs(N(opposite_node(kind, p)) - 0.5_DP), 0.0_DP, 1e-15_DP)
+      call suite%near(entry%name // 'sum', sum(N) + maxval(abs(sum(dN, dim=2))), 1.0_DP, 1e-15_DP)
+      call suite%near(entry%name // 'place', norm2(at(:, p) - xi(:, p)) + norm2(at(:, opposite_node(kind, p)) - xi(:, p)), 0.0_DP, &
+        1e-15_DP)
+      call suite%near(entry%name // 'extrapolation', sum(matrix(:n_nodes, p)) - matrix(p, p) - matrix(opposite_node(kind, p), p), &
+        0.0_DP, 1e-15_DP)
+      call suite%near(entry%name // 'its own value', matrix(p, p) * matrix(opposite_node(kind, p), p), 1.0_DP, 1e-15_DP)
+    end do
+  end subroutine check_pairs
+
 
   !> A name is mapped to its kind; two kinds with one name map to the first of them.
   subroutine check_name(kind)

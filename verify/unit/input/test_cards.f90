@@ -262,7 +262,7 @@ contains
     call expect_match(suite, '*ELASTIC, TYPE=ISO', 0, 0)
     call expect_match(suite, '*ELASTIC, TYPE=ISOTR', 0, 1)
     call expect_match(suite, '*ELASTIC, TYPE=LAMINA', 0, 0)
-    call expect_match(suite, '*ELASTIC, TYPE=TRACTION', 1, 0)
+    call expect_match(suite, '*ELASTIC, TYPE=COUPLED TRACTION', 1, 0)
     call expect_match(suite, '*ELASTIC, TYPE=NONSENSE', 1, 0)
     call expect_match(suite, '*STEP, NLGEOM', 0, 0)
     call expect_match(suite, '*STEP, nlgeom = no, INC=50', 0, 0)
