@@ -212,6 +212,7 @@ contains
     if (.not. is_given) return
     allocate (Q(2, size(layers)), source=1.0_DP)     ! of UMAT: all the same
     do l = 1, size(layers)
+      if (.not. has_constants(model%materials(layers(l)%material))) return   ! reported
       call check_layer(reader, c, layers(l), model%materials(layers(l)%material), is_given)
       if (.not. is_given) return
       associate (material => model%materials(layers(l)%material))
@@ -225,6 +226,14 @@ contains
     end do
     material = size(model%materials)
   end subroutine replace_materials
+
+
+  !> Whether a material has elastic constants, or a routine UMAT in place of them.
+  pure logical function has_constants(material)
+    type(material_type), intent(in) :: material
+    has_constants = material%is_user
+    if (allocated(material%elastic%value)) has_constants = has_constants .or. size(material%elastic%value, 2) > 0
+  end function has_constants
 
 
   !> Reports layers by UMAT unless all are of one law in one direction: the stiffness of others is not known when the deck is read.

@@ -186,7 +186,7 @@ def test_soft_layer(run_deck: Run, tmp_path: Path, kind: str) -> None:
     assert totals(tmp_path, "displacements", "TOP")[2] == pytest.approx(0.0005 - 2 * 25.0 / 210000.0, rel=1e-5)
 
 
-@pytest.mark.parametrize("section", ["Cohesive Section", "Connector Section"])
+@pytest.mark.parametrize("section", ["Gasket Section", "Connector Section"])
 def test_sections_that_are_not_there(run_deck: Run, section: str) -> None:
     """In a part as outside of it the card is refused by its own sentence."""
     done = run_deck(bar().replace("*Solid Section, elset=Set-1, material=Steel\n,", f"*{section}, elset=Set-1, material=Steel\n1., 5"))

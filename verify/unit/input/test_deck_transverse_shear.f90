@@ -81,6 +81,7 @@ contains
     call expect_message(SHEET // CARD // '4.;', 'CalculiX has no *TRANSVERSE SHEAR STIFFNESS', DIALECT_CALCULIX)
     call expect_message('*SHELL SECTION, ELSET=S, COMPOSITE;0.25,,M,O;' // CARD // '4.;*ORIENTATION, NAME=O;1.,0.,0.,0.,1.,0.;', &
       'the layers take angles')
+    call expect_message('*MATERIAL, NAME=E;*SHELL SECTION, ELSET=S, MATERIAL=E;0.5;' // CARD // '4.,6.;', 'has no *ELASTIC card')
     call expect_message(SHEET // BEAM // 'RECT;.1,.1;0.,1.,0.;' // CARD // '4.;', 'whose shear stiffness is that of their material')
     call expect_message(SHEET // BEAM // 'L;.3,.2,.01,.01;0.,1.,0.;' // CARD // '4.,4.,-1.;', 'is not negative')
     call expect_message('*ELEMENT, TYPE=S8R, ELSET=S;2,1,2,3,4,11,12,13,14;*NODE;11,.5,0,0;12,1,.5,0;13,.5,1,0;14,0,.5,0;' // &
