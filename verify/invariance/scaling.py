@@ -57,7 +57,7 @@ UNITS = {
     "AMPLITUDE": {"PERIODIC": "111X1111X", "MODULATED": "XX1", "DECAY": "XX1", "EQUALLYSPACED": "X", "": "1X1X1X1X"},
 }  # fmt: skip
 #: Defaults that are numbers without a unit: thickness and area, stiffness and force of a gap.
-DEFAULTS = {"SOLID SECTION": "1.", "GAP": "0., , , , , 1e12, 1e-3"}
+DEFAULTS = {"SOLID SECTION": "1.", "COHESIVE SECTION": "1., 1.", "GAP": "0., , , , , 1e12, 1e-3"}
 #: Parameters that have a unit.
 PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEARANCE": "L"}, "TIE": {"POSITION TOLERANCE": "L"},
               "SHELL TO SOLID COUPLING": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},

@@ -158,7 +158,7 @@ def cantilevers(n: int, length: float, law: str, opening: float, increments: int
     for name, members in (("UP", upper), ("LOW", lower), ("END", end)):
         text += f"*NSET, NSET={name}\n" + "".join(f"{m},\n" for m in members)
     text += f"*MATERIAL, NAME=STEEL\n*ELASTIC\n{YOUNG}, 0.\n*SOLID SECTION, ELSET=ARMS, MATERIAL=STEEL\n"
-    text += f"*MATERIAL, NAME=LAW\n{law}*COHESIVE SECTION, ELSET=GLUE, MATERIAL=LAW, RESPONSE=TRACTION SEPARATION\n"
+    text += f"*MATERIAL, NAME=LAW\n{law}*COHESIVE SECTION, ELSET=GLUE, MATERIAL=LAW, RESPONSE=TRACTION SEPARATION\n1.\n"
     text += f"*STEP, INC=1000{nlgeom}\n*STATIC\n{1 / increments}, 1., 1e-8, {1 / increments}\n*BOUNDARY\nEND, 1\n{labels[0, n, 0, 0]}, 2, 3\n{labels[0, n, 0, 1]}, 2\n"
     text += f"UP, 2, 2, {opening / 2}\nLOW, 2, 2, {-opening / 2}\n*NODE PRINT, NSET=UP, TOTALS=ONLY\nRF\n*END STEP\n"
     return text, [u - 1 for u in upper]
