@@ -19,7 +19,7 @@ module amontons_cohesive_elements
     MAX_ELEMENT_NODES, MAX_FACE_NODES
   use amontons_face_separation, only: separation_type, evaluate_separation, N_VARIABLES
   use amontons_materials, only: material_type
-  use amontons_membrane_elements, only: TOL_ALONG_NORMAL
+  use amontons_membrane_elements, only: set_surface_axes
   use amontons_shape_functions, only: facet_shapes, facet_quadrature, facet_node_coordinates, MAX_FACET_POINTS
   use amontons_tensor, only: cross_product
   use amontons_traction_separation, only: cohesive_point_type, evaluate_cohesive_law, N_COHESIVE_STATE
@@ -97,29 +97,13 @@ contains
     real(DP), intent(in) :: direction(3)
     type(reference_type), intent(out) :: reference
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
-    real(DP) :: along(3, 2), J(2, 2), dN(2, MAX_FACE_NODES), det
+    real(DP) :: along(3, 2), dN(2, MAX_FACE_NODES), first(3), area
     integer :: m
     m = size(X, 2) / 2
-    status = ELEMENT_DEGENERATE
     call set_tangents(kind, X, p, dN, along)
-    associate (frame => reference%frame)
-      frame(:, 3) = cross_product(along(:, 1), along(:, 2))
-      if (.not. norm2(frame(:, 3)) > 0) return
-      frame(:, 3) = frame(:, 3) / norm2(frame(:, 3))
-      frame(:, 1) = direction
-      if (is_flat(kind)) frame(:, 1) = along(:, 1)
-      if (norm2(cross_product(frame(:, 1), frame(:, 3))) < TOL_ALONG_NORMAL * norm2(frame(:, 1))) frame(:, 1) = [0.0_DP, 0.0_DP, &
-        1.0_DP]
-      frame(:, 1) = frame(:, 1) - dot_product(frame(:, 1), frame(:, 3)) * frame(:, 3)
-      if (.not. norm2(frame(:, 1)) > 0) return
-      frame(:, 1) = frame(:, 1) / norm2(frame(:, 1))
-      frame(:, 2) = cross_product(frame(:, 3), frame(:, 1))
-      status = ELEMENT_OK
-      J = matmul(transpose(frame(:, :2)), along)   ! dX_i/dxi_k
-      det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-      reference%slope(:m, 1) = (dN(1, :m) * J(2, 2) - dN(2, :m) * J(2, 1)) / det
-      reference%slope(:m, 2) = (dN(2, :m) * J(1, 1) - dN(1, :m) * J(1, 2)) / det
-    end associate
+    first = direction
+    if (is_flat(kind)) first = along(:, 1) / max(norm2(along(:, 1)), tiny(area))
+    call set_surface_axes(along, dN(:, :m), first, reference%frame, reference%slope(:m, :), area, status)
   end subroutine set_reference
 
 

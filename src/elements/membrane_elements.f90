@@ -26,7 +26,7 @@ module amontons_membrane_elements
   implicit none
   private
   public :: evaluate_membrane_element, evaluate_membrane_volumes, integrate_membrane_body_force, set_membrane_temperature_weights, &
-    TOL_ALONG_NORMAL
+    set_surface_axes
 
   integer, parameter :: MAX_MEMBRANE_NODES = 8               !< most nodes
   integer, parameter :: IN_PLANE(3) = [1, 2, 4]              !< 11 22 12 among the six components
@@ -97,7 +97,7 @@ contains
     real(DP), intent(out) :: slope(MAX_MEMBRANE_NODES, 2)   !< [1/length]
     real(DP), intent(out) :: area                  !< [length^2]
     integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
-    real(DP) :: N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), along(3, 2), J(2, 2), det
+    real(DP) :: N(MAX_ELEMENT_NODES), dN(3, MAX_ELEMENT_NODES), along(3, 2)
     integer :: k
     call shape_functions(kind, xi, N, dN)
     along = 0
@@ -105,6 +105,21 @@ contains
       along(:, 1) = along(:, 1) + (X(:, k) - X(:, 1)) * dN(1, k)
       along(:, 2) = along(:, 2) + (X(:, k) - X(:, 1)) * dN(2, k)
     end do
+    call set_surface_axes(along, dN(:2, :MAX_MEMBRANE_NODES), direction, frame, slope, area, status)
+  end subroutine set_reference
+
+
+  !> The frame of a surface at a point from its tangents, and derivatives of shape functions by lengths along its first two axes.
+  !! The first axis is the projection of a direction, or of z where that is along the normal.
+  pure subroutine set_surface_axes(along, dN, direction, frame, slope, area, status)
+    real(DP), intent(in) :: along(3, 2)            !< tangents by the natural coordinates [length]
+    real(DP), intent(in) :: dN(:, :)               !< (2, nodes) derivatives by the natural coordinates [-]
+    real(DP), intent(in) :: direction(3)           !< of length 1
+    real(DP), intent(out) :: frame(3, 3)           !< e1, e2, normal in columns
+    real(DP), intent(out) :: slope(:, :)           !< (nodes, 2) [1/length]
+    real(DP), intent(out) :: area                  !< that belongs to a weight of 1 [length^2]
+    integer, intent(out) :: status                 !< ELEMENT_OK or ELEMENT_DEGENERATE
+    real(DP) :: J(2, 2), det
     frame(:, 3) = cross_product(along(:, 1), along(:, 2))
     area = norm2(frame(:, 3))
     status = ELEMENT_DEGENERATE
@@ -121,9 +136,9 @@ contains
     status = ELEMENT_OK
     J = matmul(transpose(frame(:, :2)), along)     ! dX_i/dxi_k
     det = J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)
-    slope(:, 1) = (dN(1, :MAX_MEMBRANE_NODES) * J(2, 2) - dN(2, :MAX_MEMBRANE_NODES) * J(2, 1)) / det
-    slope(:, 2) = (dN(2, :MAX_MEMBRANE_NODES) * J(1, 1) - dN(1, :MAX_MEMBRANE_NODES) * J(1, 2)) / det
-  end subroutine set_reference
+    slope(:, 1) = (dN(1, :) * J(2, 2) - dN(2, :) * J(2, 1)) / det
+    slope(:, 2) = (dN(2, :) * J(1, 1) - dN(1, :) * J(1, 2)) / det
+  end subroutine set_surface_axes
 
 
   !> The axes in which the law is evaluated, its displacement gradient, and the derivatives of the shape functions in these axes.

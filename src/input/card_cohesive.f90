@@ -1,8 +1,8 @@
 !> Entries of the card table for cohesive elements: section, its controls, damage.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_cohesive
-  use amontons_card_schema, only: card_table_type, SCOPE_MODEL, ENTRY_IGNORED, ENTRY_REJECTED, VALUE_NAME, VALUE_TEXT, &
-    VALUE_INTEGER, VALUE_REAL, VALUE_WORD
+  use amontons_card_schema, only: card_table_type, describe_field_variables, SCOPE_MODEL, ENTRY_IGNORED, ENTRY_REJECTED, &
+    VALUE_NAME, VALUE_TEXT, VALUE_REAL, VALUE_WORD
   implicit none
   private
   public :: describe_cohesive
@@ -60,8 +60,7 @@ contains
       'tractions (S) or strains (E).', allowed='MAXS|QUADS|MAXE|QUADE', default='required')
     call table%reject_words('DUCTILE|SHEAR|FLD|FLSD|MSFLD|MK|JOHNSON COOK|HYSTERESIS ENERGY|MAXPS|MAXPE|USER|HASHIN', &
       'Damage is one of cohesive elements, with MAXS, QUADS, MAXE or QUADE; that of solids needs a routine UMAT.')
-    call table%option('DEPENDENCIES', VALUE_INTEGER, 'Number of field variables behind the temperature; one column may ' // &
-      'change in a table.', default='0')
+    call describe_field_variables(table)
     call table%option('TOLERANCE|POSITION', VALUE_TEXT, 'Increments are cut back where they do not converge alone.', &
       status=ENTRY_IGNORED)
     call table%card('DAMAGE EVOLUTION', SCOPE_MODEL, 'How tractions fall from the start of damage on; without it damage does ' // &
@@ -81,8 +80,7 @@ contains
       default='ENERGY')
     call table%reject_words('TRACTION', 'Shares of tractions do not exist here; leave it out, or give ENERGY.')
     call table%option('DEGRADATION', VALUE_TEXT, 'There is one criterion of damage.', status=ENTRY_IGNORED)
-    call table%option('DEPENDENCIES', VALUE_INTEGER, 'Number of field variables behind the temperature; one column may ' // &
-      'change in a table.', default='0')
+    call describe_field_variables(table)
     call table%card('DAMAGE STABILIZATION', SCOPE_MODEL, 'Viscosity of the damage of a cohesive law, as VISCOSITY of SECTION ' // &
       'CONTROLS; the larger one counts.', parent='MATERIAL', data='viscosity [time]')
   end subroutine describe_damage

@@ -3,8 +3,8 @@
 module amontons_card_materials
   use amontons_card_cohesive, only: describe_cohesive
   use amontons_card_submodels, only: describe_global_step
-  use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_STEP, ENTRY_IGNORED, ENTRY_REJECTED, &
-    VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
+  use amontons_card_schema, only: card_table_type, describe_field_variables, SCOPE_MODEL, SCOPE_STEP, ENTRY_IGNORED, &
+    ENTRY_REJECTED, VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD
   implicit none
   private
   public :: describe_materials
@@ -33,14 +33,6 @@ contains
     call describe_user_elements(table)
     call describe_initial_conditions(table)
   end subroutine describe_materials
-
-
-  !> Field variables.
-  subroutine describe_field_variables(table)
-    type(card_table_type), intent(inout) :: table
-    call table%option('DEPENDENCIES', VALUE_INTEGER, 'Number of field variables behind the temperature; one column may ' // &
-      'change in a table.', default='0')
-  end subroutine describe_field_variables
 
 
   !> ELASTIC.

@@ -9,6 +9,7 @@ module amontons_card_schema
   implicit none
   private
   public :: card_table_type, card_entry_type, parameter_schema_type, find_entry, match_parameters, render_card_table, suggest_card
+  public :: describe_field_variables
   public :: has_parameter, parameter_text, parameter_word, list_parameters
   public :: SCOPE_MODEL, SCOPE_STEP, SCOPE_BOTH, ENTRY_SUPPORTED, ENTRY_IGNORED, ENTRY_REJECTED
   public :: VALUE_NONE, VALUE_NAME, VALUE_TEXT, VALUE_INTEGER, VALUE_REAL, VALUE_WORD, VALUE_OPTIONAL_WORD, VALUE_OPTIONAL_REAL
@@ -165,6 +166,14 @@ contains
       entry%options(entry%n_options)%message = message
     end associate
   end subroutine reject_words
+
+
+  !> DEPENDENCIES of a card whose tables may be over a field variable.
+  subroutine describe_field_variables(table)
+    type(card_table_type), intent(inout) :: table
+    call table%option('DEPENDENCIES', VALUE_INTEGER, 'Number of field variables behind the temperature; one column may ' // &
+      'change in a table.', default='0')
+  end subroutine describe_field_variables
 
 
   !> The names of all cards and parameters, 'STEP,' and 'STEP,NLGEOM', to distinguish continuations of keyword lines from data.

@@ -9,14 +9,13 @@ module amontons_deck_cohesive
     is_card
   use amontons_element_kinds, only: is_cohesive, has_faces_in_space, opposite_node
   use amontons_materials, only: material_type, property_table_type, damage_type, ELASTIC_TRACTION, SOFTENING_LINEAR, &
-    SOFTENING_EXPONENTIAL, SOFTENING_TABULAR, MIX_NONE, MIX_POWER_LAW, MIX_BENZEGGAGH_KENANE, MAX_HISTORY, USER_STATE
+    SOFTENING_EXPONENTIAL, SOFTENING_TABULAR, MIX_NONE, MIX_POWER_LAW, MIX_BENZEGGAGH_KENANE
   use amontons_mesh, only: mesh_type, mean_face_normal
   use amontons_model, only: model_type
   use amontons_text, only: to_text, name_key, parse_real
-  use amontons_traction_separation, only: N_COHESIVE_STATE
   implicit none
   private
-  public :: read_traction_elasticity, read_damage, check_damage, set_cohesive_sections, set_cohesive_history
+  public :: read_traction_elasticity, read_damage, check_damage, set_cohesive_sections
 
 contains
 
@@ -336,18 +335,5 @@ contains
       end associate
     end do
   end subroutine check_laws
-
-
-  !> Where the state of cohesive laws begins: behind the STATEV of all.
-  pure subroutine set_cohesive_history(materials)
-    type(material_type), intent(inout) :: materials(:)
-    integer :: m, n
-    n = maxval([0, materials%n_statev])
-    do m = 1, size(materials)
-      if (.not. allocated(materials(m)%damage)) cycle
-      materials(m)%n_inner = N_COHESIVE_STATE
-      materials(m)%inner_first = merge(USER_STATE + n, MAX_HISTORY + 1, n > 0)
-    end do
-  end subroutine set_cohesive_history
 
 end module amontons_deck_cohesive

@@ -6,7 +6,7 @@ module amontons_deck_materials
   use amontons_card_schema, only: has_parameter, parameter_text, parameter_word, ENTRY_REJECTED
   use amontons_deck_cap, only: read_cap, read_cap_hardening, is_cap_complete
   use amontons_deck_creep, only: read_creep, check_user_creep
-  use amontons_deck_cohesive, only: read_damage, check_damage, set_cohesive_history
+  use amontons_deck_cohesive, only: read_damage, check_damage
   use amontons_deck_elasticity, only: read_elastic, read_law_by_name, is_law_by_name, check_isotropic
   use amontons_deck_named_laws, only: is_named_law, read_named_law, set_inner_history, is_creep_by_name
   use amontons_deck_property_tables, only: read_table, read_curves
@@ -14,17 +14,18 @@ module amontons_deck_materials
   use amontons_deck_test_data, only: fit_hyperelastic, check_test_place
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name, &
     check_no_data
-  use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history
+  use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic
   use amontons_elasticity, only: elasticity_matrix
   use amontons_plasticity, only: is_inelastic
   use amontons_materials, only: material_type, property_table_type, hardening_curve_type, LAW_HENCKY, LAW_SAINT_VENANT, &
     ELASTIC_ISOTROPIC, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, ELASTIC_HYPER, ELASTIC_FOAM, is_linear_elastic, &
     HYPER_POLYNOMIAL, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, MAX_HYPER_ORDER, CONE_COMPRESSION, CONE_TENSION, CONE_SHEAR, &
-    CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, &
-    CREEP_NONE, INELASTIC_NONE, INELASTIC_CRYSTAL, &
-    HISTORY_INELASTIC, HISTORY_BACK, HISTORY_STRETCH, USER_STATE, user_field_place
+    CONE_COHESION, YIELD_RATIO, YIELD_MOHR_COULOMB, CREEP_NONE, INELASTIC_NONE, INELASTIC_CRYSTAL, HISTORY_INELASTIC, &
+    HISTORY_BACK, HISTORY_STRETCH, MAX_HISTORY, USER_STATE, user_field_place
   use amontons_model, only: model_type, DIALECT_CALCULIX
+  use amontons_traction_separation, only: N_COHESIVE_STATE
   use amontons_user_routines, only: USER_NAME_LENGTH
+  use amontons_viscoelasticity, only: n_viscoelastic_state
   use amontons_text, only: upper_case, to_text, parse_integer, parse_real, NUMBER_OK
   implicit none
   private
@@ -468,6 +469,22 @@ contains
   end subroutine read_depvar
 
 
+  !> Where the state of viscoelastic and cohesive laws begins: behind the STATEV of all.
+  pure subroutine place_inner_history(materials)
+    type(material_type), intent(inout) :: materials(:)
+    integer :: m, n
+    n = maxval([0, materials%n_statev])
+    do m = 1, size(materials)
+      associate (material => materials(m))
+        if (allocated(material%prony)) material%n_inner = n_viscoelastic_state(size(material%prony, 2))
+        if (allocated(material%damage)) material%n_inner = N_COHESIVE_STATE
+        if (allocated(material%prony) .or. allocated(material%damage)) material%inner_first = merge(USER_STATE + n, &
+          MAX_HISTORY + 1, n > 0)
+      end associate
+    end do
+  end subroutine place_inner_history
+
+
   !> What follows from the whole deck: which materials are plain, and how much history the others have. Without any
   !! temperature expansion has no effect.
   subroutine finalize_materials(model)
@@ -482,8 +499,7 @@ contains
       if (allocated(model%steps(i)%temperatures)) has_temperature = has_temperature .or. &
         size(model%steps(i)%temperatures) > 0
     end do
-    call set_viscoelastic_history(model%materials)
-    call set_cohesive_history(model%materials)
+    call place_inner_history(model%materials)
     do m = 1, size(model%materials)
       associate (material => model%materials(m))
         if (.not. has_temperature .and. allocated(material%expansion%value)) deallocate (material%expansion%value)

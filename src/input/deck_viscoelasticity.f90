@@ -7,12 +7,11 @@ module amontons_deck_viscoelasticity
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields, is_card
   use amontons_element_kinds, only: KIND_C3D8R, KIND_CPS4R, KIND_CPE4R, KIND_CAX4R
   use amontons_materials, only: material_type, ELASTIC_ISOTROPIC, ELASTIC_HYPER, HYPER_OGDEN, HYPER_ARRUDA_BOYCE, CREEP_NONE, &
-    INELASTIC_NONE, MAX_HISTORY, USER_STATE
+    INELASTIC_NONE
   use amontons_model, only: model_type
-  use amontons_viscoelasticity, only: n_viscoelastic_state
   implicit none
   private
-  public :: read_viscoelastic, complete_viscoelastic, set_viscoelastic_history, check_viscoelastic_steps
+  public :: read_viscoelastic, complete_viscoelastic, check_viscoelastic_steps
 
 contains
 
@@ -165,18 +164,5 @@ contains
     end select
     constants(first:) = constants(first:) * bulk
   end subroutine stiffen
-
-
-  !> Where the state of viscoelastic materials begins: behind the STATEV of all.
-  pure subroutine set_viscoelastic_history(materials)
-    type(material_type), intent(inout) :: materials(:)
-    integer :: m, n
-    n = maxval([0, materials%n_statev])
-    do m = 1, size(materials)
-      if (.not. allocated(materials(m)%prony)) cycle
-      materials(m)%n_inner = n_viscoelastic_state(size(materials(m)%prony, 2))
-      materials(m)%inner_first = merge(USER_STATE + n, MAX_HISTORY + 1, n > 0)
-    end do
-  end subroutine set_viscoelastic_history
 
 end module amontons_deck_viscoelasticity
