@@ -7,6 +7,7 @@
  * Any reader of HDF5 reads the chunk. It is C because the Fortran interface of HDF5 1.10 lacks H5Dwrite_chunk, and for zlib. */
 #include <hdf5.h>
 #include <math.h>
+#include <omp.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -238,32 +239,41 @@ static uLong adler_of_equal(unsigned char byte, size_t n)
   return (uLong)(b % MODULUS) << 16 | (uLong)(a % MODULUS);
 }
 
-/* Compresses the planes one by one into one zlib stream (RFC 1950): threads share them, and the result does not depend on the threads.
- * A thread has one plane at a time in memory. Each has `capacity` bytes in `packed`. Returns the length of the stream, 0 on failure. */
+/* Compresses the planes one by one, each into its `capacity` bytes of `packed`; their lengths (0 on failure) and checksums. The
+ * planes are tasks, which threads that wait at the end of their own work take over. Each has one plane in memory. */
+static void pack_planes(const uint64_t *values, size_t n, unsigned char *packed, size_t capacity, size_t *length, uLong *sum)
+{
+#pragma omp taskloop grainsize(1)
+  for (int j = 0; j < BYTES; j++) {
+    unsigned char *to = packed + HEAD + (size_t)j * capacity, *plane = malloc(n);
+    if (!plane) continue;
+    gather(values, n, j, plane);
+    double bits = entropy(plane, n);
+    length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, capacity);
+    if (length[j] == 0) length[j] = store(plane, n, to);
+    sum[j] = adler_sum(plane, n);
+    free(plane);
+  }
+}
+
+/* Compresses values into one zlib stream (RFC 1950), plane by plane; the result does not depend on the threads. Each plane has
+ * `capacity` bytes in `packed`. Returns the length of the stream, 0 on failure. */
 static size_t pack(const uint64_t *values, size_t n, unsigned char *packed, size_t capacity)
 {
   size_t length[BYTES] = {0};
   uLong sum[BYTES];
   int is_constant = memcmp(values, values + 1, (n - 1) * sizeof *values) == 0; /* the fields before the first increment */
-#pragma omp parallel if(n > WORTH_THREADS && !is_constant)
-  {
-    unsigned char *plane = is_constant ? NULL : malloc(n);
-#pragma omp for schedule(dynamic)
+  if (is_constant) {
     for (int j = 0; j < BYTES; j++) {
-      unsigned char *to = packed + HEAD + (size_t)j * capacity;
-      if (is_constant) {
-        length[j] = repeat((unsigned char)(values[0] >> 8 * j), n, to);
-        sum[j] = adler_of_equal((unsigned char)(values[0] >> 8 * j), n);
-        continue;
-      }
-      if (!plane) continue;
-      gather(values, n, j, plane);
-      double bits = entropy(plane, n);
-      length[j] = bits > NOISE ? 0 : bits > REPEATED ? encode(plane, n, to) : squeeze(plane, n, to, capacity);
-      if (length[j] == 0) length[j] = store(plane, n, to);
-      sum[j] = adler_sum(plane, n);
+      length[j] = repeat((unsigned char)(values[0] >> 8 * j), n, packed + HEAD + (size_t)j * capacity);
+      sum[j] = adler_of_equal((unsigned char)(values[0] >> 8 * j), n);
     }
-    free(plane);
+  } else if (omp_in_parallel()) {
+    pack_planes(values, n, packed, capacity, length, sum);
+  } else {
+#pragma omp parallel if(n > WORTH_THREADS)
+#pragma omp single
+    pack_planes(values, n, packed, capacity, length, sum);
   }
   for (int j = 0; j < BYTES; j++)
     if (length[j] == 0) return 0;
