@@ -296,7 +296,7 @@ uses_increment_control = kinds failure steps convergence
 # output
 uses_hdf5_file = kinds errors posix
 uses_checkpoint = kinds errors posix sparse steps model state reduced_system contact_preconditioner equilibrium newton increment_control hdf5_file
-uses_postprocess = kinds tensor element_kinds materials mesh surfaces model material_point traction_separation beam_rules shape_functions element dual_shape_functions state
+uses_postprocess = kinds tensor element_kinds materials mesh surfaces model material_point traction_separation beam_rules shape_functions element tributary_areas dual_shape_functions state
 uses_dat_contact_output = kinds text tensor element_kinds steps model state postprocess
 uses_section_forces = kinds tensor element_kinds materials mesh structural_data model material_axes shape_functions element state
 uses_dat_output = kinds text tensor element_kinds materials mesh steps model beam_rules state postprocess dat_contact_output section_forces

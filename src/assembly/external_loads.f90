@@ -23,7 +23,7 @@ module amontons_external_loads
   use amontons_state, only: fields_type, load_time
   use amontons_steps, only: step_type
   use amontons_load_faces, only: load_face_type, find_load_face, add_face_force, spread_stiffness
-  use amontons_element_kinds, only: kind_family, KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
+  use amontons_element_kinds, only: KIND_MASS, has_faces_in_space, MAX_ELEMENT_NODES, &
     MAX_FACE_NODES, MAX_ELEMENT_POINTS, &
     KIND_C3D8R, KIND_C3D8_FULL, KIND_CPS3, KIND_CAX_SHELL, KIND_SPRINGA
   use amontons_user_state, only: evaluate_dload, evaluate_utracload, is_deleted_element
@@ -144,8 +144,8 @@ contains
         if (has_faces_in_space(mesh%kind(e))) then
           call integrate_face_foundation(place%kind, X, u, foundation%stiffness, is_nlgeom, force, stiffness)
         else
-          call integrate_edge_foundation(kind_family(mesh%kind(e)), place%kind, X, u, mesh%section_value(e), &
-            foundation%stiffness, is_nlgeom, force, stiffness)
+          call integrate_edge_foundation(place%kind, X, u, out_of_plane_depth(mesh, e), foundation%stiffness, &
+            is_nlgeom, force, stiffness)
         end if
       end associate
     end associate
@@ -260,8 +260,7 @@ contains
       else if (has_faces_in_space(mesh%kind(e))) then
         call integrate_facet_pressure(place%kind, x, pressure, force, stiffness, rule=rule)
       else
-        call integrate_edge_pressure(kind_family(mesh%kind(e)), place%kind, x(:, :n), mesh%section_value(e), pressure, force, &
-          stiffness, rule)
+        call integrate_edge_pressure(place%kind, x(:, :n), out_of_plane_depth(mesh, e), pressure, force, stiffness, rule)
       end if
     end associate
     call add_face_force(place, force, fields%applied_force)

@@ -5,7 +5,7 @@ module amontons_tie_generation
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, invert, IDENTITY
   use amontons_text, only: to_text
-  use amontons_element_kinds, only: element_kind_type, element_kind, MAX_FACE_NODES, FAMILY_AXISYMMETRIC
+  use amontons_element_kinds, only: element_kind_type, element_kind, MAX_FACE_NODES, is_of_revolution
   use amontons_tributary_areas, only: integrate_nodal_areas, out_of_plane_depth
   use amontons_loads, only: equation_type, equation_list_type
   use amontons_mpc_data, only: tie_type, distributing_coupling_type
@@ -326,7 +326,6 @@ contains
   pure logical function is_axisymmetric(mesh, nodes)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: nodes(:)
-    type(element_kind_type) :: kind
     logical :: is_coupled(mesh%n_nodes)
     integer :: e
     is_coupled = .false.
@@ -334,8 +333,7 @@ contains
     is_axisymmetric = .false.
     do e = 1, mesh%n_elements
       if (.not. any(is_coupled(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)))) cycle
-      kind = element_kind(mesh%kind(e))
-      is_axisymmetric = is_axisymmetric .or. kind%family == FAMILY_AXISYMMETRIC
+      is_axisymmetric = is_axisymmetric .or. is_of_revolution(mesh%kind(e))
     end do
   end function is_axisymmetric
 

@@ -3,7 +3,7 @@
 module amontons_tributary_areas
   use amontons_kinds, only: DP, PI
   use amontons_tensor, only: cross_product
-  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, FAMILY_AXISYMMETRIC, &
+  use amontons_element_kinds, only: element_kind, facet_kind, element_kind_type, facet_kind_type, is_cohesive, is_of_revolution, &
     FACET_LINE2, &
     FACET_TRI3, FACET_QUAD4, MAX_FACE_NODES
   use amontons_mesh, only: mesh_type
@@ -80,14 +80,13 @@ contains
   end subroutine add_nodal_areas
 
 
-  !> Depth of a plane element: its thickness, or -1 for the full circle of an axisymmetric one. Unused in space.
+  !> Depth of the faces of a plane element: its thickness, of a cohesive one its width, or -1 for the full circle. Unused in space.
   pure real(DP) function out_of_plane_depth(mesh, e) result(depth)
     type(mesh_type), intent(in) :: mesh
     integer, intent(in) :: e                       !< element
-    type(element_kind_type) :: kind
-    kind = element_kind(mesh%kind(e))
     depth = mesh%section_value(e)
-    if (kind%family == FAMILY_AXISYMMETRIC) depth = -1.0_DP
+    if (is_cohesive(mesh%kind(e))) depth = depth / mesh%cohesive(1, e)
+    if (is_of_revolution(mesh%kind(e))) depth = -1.0_DP
   end function out_of_plane_depth
 
 

@@ -9,7 +9,7 @@
 module amontons_face_foundation
   use amontons_kinds, only: DP, PI
   use amontons_shape_functions, only: facet_quadrature, facet_shapes, MAX_FACET_POINTS
-  use amontons_element_kinds, only: FAMILY_AXISYMMETRIC, MAX_FACE_NODES
+  use amontons_element_kinds, only: MAX_FACE_NODES
   use amontons_tensor, only: IDENTITY, cross_product, skew_matrix
   implicit none
   private
@@ -50,12 +50,11 @@ contains
 
 
   !> The same for an edge of a plane or axisymmetric element.
-  pure subroutine integrate_edge_foundation(family, edge, X, u, section, k, is_nlgeom, force, stiffness)
-    integer, intent(in) :: family                  !< FAMILY_...
+  pure subroutine integrate_edge_foundation(edge, X, u, width, k, is_nlgeom, force, stiffness)
     integer, intent(in) :: edge                    !< FACET_LINE2, FACET_LINE3
     real(DP), intent(in) :: X(:, :)                !< (3, nodes) reference coordinates [length]
     real(DP), intent(in) :: u(:, :)                !< (3, nodes) displacements [length]
-    real(DP), intent(in) :: section                !< thickness; of no meaning for axisymmetric kinds [length]
+    real(DP), intent(in) :: width                  !< of the face [length], below zero: around the circle
     real(DP), intent(in) :: k                      !< [force/length^3]
     logical, intent(in) :: is_nlgeom
     real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< zero past the nodes [force]
@@ -73,14 +72,14 @@ contains
       call facet_shapes(edge, xi(:, p), N, dN, ddN)
       along = matmul(place(:2, :m), dN(1, :m))
       normal = [along(2), -along(1), 0.0_DP]
-      depth = section
-      if (family == FAMILY_AXISYMMETRIC) depth = 2 * PI * dot_product(place(1, :m), N(:m))
+      depth = width
+      if (width < 0) depth = 2 * PI * dot_product(place(1, :m), N(:m))
       turn = 0
       if (is_nlgeom) then
         do b = 1, m
           turn(1, 2, b) = depth * dN(1, b)
           turn(2, 1, b) = -depth * dN(1, b)
-          if (family == FAMILY_AXISYMMETRIC) turn(:, 1, b) = turn(:, 1, b) + 2 * PI * N(b) * normal
+          if (width < 0) turn(:, 1, b) = turn(:, 1, b) + 2 * PI * N(b) * normal
         end do
       end if
       call add_point(k * w(p), N(:m), depth * normal, turn(:, :, :m), u, force, stiffness)

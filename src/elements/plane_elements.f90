@@ -525,11 +525,10 @@ contains
   !> Nodal forces of a pressure on an edge in its current place, and their derivative:
   !! force_a = -pressure * integral of N_a (dy/dxi, -dx/dxi) times the thickness or 2 pi x.
   !! Edges run counterclockwise: the normal is to their right. The thickness is that of the reference configuration.
-  pure subroutine integrate_edge_pressure(family, edge, x, section, pressure, force, stiffness, rule)
-    integer, intent(in) :: family                  !< FAMILY_...
+  pure subroutine integrate_edge_pressure(edge, x, width, pressure, force, stiffness, rule)
     integer, intent(in) :: edge                    !< FACET_LINE2, FACET_LINE3
     real(DP), intent(in) :: x(:, :)                !< (3, nodes) current coordinates [length]
-    real(DP), intent(in) :: section                !< thickness; of no meaning for axisymmetric kinds [length]
+    real(DP), intent(in) :: width                  !< of the face [length], below zero: around the circle
     real(DP), intent(in) :: pressure               !< [stress]
     real(DP), intent(out) :: force(3, MAX_FACE_NODES)   !< zero past the nodes [force]
     real(DP), intent(out) :: stiffness(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES)   !< d force/d x, zero past 3 * nodes
@@ -544,9 +543,9 @@ contains
     do p = 1, n_rule
       call facet_shapes(edge, xi(:, p), N, dN, ddN)
       along = matmul(x(:2, :), dN(1, :n_nodes))
-      depth = section
+      depth = width
       growth = 0                                    ! of the depth with the radius
-      if (family == FAMILY_AXISYMMETRIC) then
+      if (width < 0) then
         depth = 2 * PI * dot_product(x(1, :), N(:n_nodes))
         growth = 2 * PI
       end if

@@ -17,7 +17,7 @@ module amontons_card_table
 
   character(*), parameter :: NODE_VARIABLES = 'U|UR|V|RF|NT|COOR'      !< variables of NODE PRINT
   character(*), parameter :: SECTION_VARIABLES = 'SOF|SOM|SOAR'   !< variables of SECTION PRINT, each of which prints all
-  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDEG|DMICRT|SDV|ENER|ELSE|EVOL|COOR|SF|SM' !< of EL PRINT
+  character(*), parameter :: ELEMENT_VARIABLES = 'S|E|ME|PEEQ|CEEQ|SDEG|DMIC|SDV|ENER|ELSE|EVOL|COOR|SF|SM' !< of EL PRINT
   character(*), parameter :: CONTACT_VARIABLES = 'CDIS|CSTR|SCEN|CNUM|CELS|CF|CFN|CFS|CFT|CMN|CMS|CMT|CARE|XN|XS|XT'
 
 contains

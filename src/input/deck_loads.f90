@@ -24,7 +24,7 @@ module amontons_deck_loads
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
   use amontons_mesh, only: mean_face_normal
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, kind_family, FAMILY_AXISYMMETRIC, FAMILY_SOLID, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, kind_family, is_of_revolution, face_index, FAMILY_SOLID, &
     has_faces_in_space
   implicit none
   private
@@ -523,18 +523,17 @@ contains
     character(*), intent(in) :: label            !< squeezed
     type(load_region_type), intent(inout) :: place   !< out: region, elements, faces
     logical, intent(inout) :: is_ok
-    type(element_kind_type) :: entry
     character(:), allocatable :: short
-    integer :: face, i
+    integer :: i
     if (.not. is_ok) return
     short = strip_nu(label)
-    face = face_number(short(5:), short(5:5))
     call elements_of_field(reader, model%mesh, row, 1, place%elements, is_ok)
     if (.not. is_ok) return
     call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
+    allocate (place%faces(size(place%elements)))
     do i = 1, size(place%elements)
-      entry = element_kind(model%mesh%kind(place%elements(i)))
-      is_ok = is_ok .and. face >= 1 .and. face <= entry%n_faces
+      place%faces(i) = face_index(model%mesh%kind(place%elements(i)), face_number(short(5:), short(5:5)))
+      is_ok = is_ok .and. place%faces(i) > 0
       if (allocated(model%structure)) is_ok = is_ok .and. model%structure%section(place%elements(i)) == 0
       if (is_ok) cycle
       call report_error(reader, row%line, 'Element ' // to_text(model%mesh%element_label(place%elements(i))) // ' takes no load ' &
@@ -542,7 +541,6 @@ contains
       return
     end do
     place%region = name_key(field_text(reader%cards, row, 1)) // ' ' // label
-    place%faces = [(face, i=1, size(place%elements))]
   end subroutine find_face_place
 
 
@@ -599,7 +597,6 @@ contains
     integer, intent(in) :: amplitude
     type(active_loads_type), intent(inout) :: active_loads
     integer, allocatable :: elements(:)
-    type(element_kind_type) :: entry
     character(:), allocatable :: label
     real(DP) :: value
     integer :: face, i, n_without
@@ -619,15 +616,14 @@ contains
       elements(1))
     n_without = 0
     do i = 1, size(elements)
-      entry = element_kind(model%mesh%kind(elements(i)))
-      face = face_number(strip_nu(label), 'P')
+      face = face_index(model%mesh%kind(elements(i)), face_number(strip_nu(label), 'P'))
       if (is_shell(model, elements(i))) then
         face = structural_face(model, elements(i), label)
       else if (allocated(model%structure)) then
         if (model%structure%section(elements(i)) > 0) face = 0
       end if
       if (face == OTHER_LAYER) cycle
-      if (face == 0 .or. face > entry%n_faces) then
+      if (face == 0) then
         n_without = n_without + 1
       else
         call add_load(6 * elements(i) - 6 + face, value * pressure_factor(model, elements(i), label), amplitude, &
@@ -649,7 +645,6 @@ contains
     type(active_loads_type), intent(inout) :: active_loads
     integer, allocatable :: elements(:), nodes(:)
     character(:), allocatable :: label
-    type(element_kind_type) :: entry
     integer :: face, i
     logical :: is_ok, has_face
     is_ok = .true.
@@ -659,11 +654,10 @@ contains
     if (.not. is_ok) return
     call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
     label = name_key(field_text(reader%cards, row, 2))
-    face = face_number(label(:2), 'P')
     has_face = size(nodes) == 1
     do i = 1, size(elements)
-      entry = element_kind(model%mesh%kind(elements(i)))
-      has_face = has_face .and. face <= entry%n_faces
+      face = face_index(model%mesh%kind(elements(i)), face_number(label(:2), 'P'))
+      has_face = has_face .and. face > 0
       if (allocated(model%structure)) has_face = has_face .and. model%structure%section(elements(i)) == 0
       if (has_face) call add_load(6 * elements(i) - 6 + face, 0.0_DP, 0, active_loads%step, active_loads%is_step, &
         active_loads%pressures, node=nodes(1))
@@ -771,12 +765,10 @@ contains
     character(1), intent(in) :: letter           !< X, Y, Z or R
     type(load_region_type), intent(inout) :: place    !< with elements
     logical, intent(inout) :: is_ok
-    type(element_kind_type) :: kind
     integer :: i, n_round
     n_round = 0
     do i = 1, size(place%elements)
-      kind = element_kind(model%mesh%kind(place%elements(i)))
-      if (kind%family == FAMILY_AXISYMMETRIC) n_round = n_round + 1
+      if (is_of_revolution(model%mesh%kind(place%elements(i)))) n_round = n_round + 1
     end do
     if (letter == 'R') then
       place%direction(1) = 1
@@ -833,9 +825,7 @@ contains
     place%direction = place%direction / norm2(place%direction)
     if (place%kind /= DISTRIBUTED_CENTRIFUGAL) return
     do i = 1, size(place%elements)
-      associate (kind => element_kind(model%mesh%kind(place%elements(i))))
-        if (kind%family /= FAMILY_AXISYMMETRIC) cycle
-      end associate
+      if (.not. is_of_revolution(model%mesh%kind(place%elements(i)))) cycle
       if (abs(place%direction(2)) >= 1.0_DP - 1.0e-9_DP .and. .not. abs(place%point(1)) + abs(place%point(3)) > 0) cycle
       call report_error(reader, row%line, 'Axisymmetric elements turn about the y axis: the point must be on it, and the ' // &
         'direction along it.')

@@ -10,7 +10,7 @@ module amontons_deck_output
   use amontons_steps, only: step_type, print_request_type, PRINT_NODE, PRINT_ELEMENT, PRINT_CONTACT, PRINT_SECTION, &
     frd_request_type, N_FRD, FRD_ERROR
   use amontons_text, only: to_text, name_key, parse_integer, is_one_of, joined_words, NUMBER_OK
-  use amontons_element_kinds, only: element_kind, FAMILY_AXISYMMETRIC
+  use amontons_element_kinds, only: is_of_revolution
   implicit none
   private
   public :: output_requests_type, begin_output, read_output_card, set_output_times, read_time_points
@@ -188,10 +188,8 @@ contains
     else
       associate (surface => model%surfaces(request%set))
         do i = 1, size(surface%element)
-          associate (kind => element_kind(model%mesh%kind(surface%element(i))))
-            if (kind%family == FAMILY_AXISYMMETRIC) trouble = '*SECTION PRINT is not supported for axisymmetric ' // &
-              'elements, of which the surface ''' // name // ''' has some. Sum up the RF of *NODE PRINT.'
-          end associate
+          if (is_of_revolution(model%mesh%kind(surface%element(i)))) trouble = '*SECTION PRINT is not supported for ' // &
+            'axisymmetric elements, of which the surface ''' // name // ''' has some. Sum up the RF of *NODE PRINT.'
         end do
       end associate
     end if

@@ -17,8 +17,8 @@ module amontons_deck_springs
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: to_text, plural
   use amontons_mpc_data, only: coordinate_system_type, axes_at
-  use amontons_element_kinds, only: element_kind_type, element_kind, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, &
-    FAMILY_MASS, FAMILY_AXISYMMETRIC, KIND_SPRINGA, N_CIRCLE_SECTORS
+  use amontons_element_kinds, only: KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, FAMILY_SPRING, &
+    FAMILY_MASS, is_of_revolution, KIND_SPRINGA, N_CIRCLE_SECTORS
   use amontons_deck_mpc, only: read_next_mpc, unique_nodes
   implicit none
   private
@@ -77,7 +77,6 @@ contains
   subroutine stiffen_springs_on_rings(reader, model)
     type(reader_type), intent(inout) :: reader
     type(model_type), intent(inout) :: model
-    type(element_kind_type) :: entry
     logical :: is_on_ring(model%mesh%n_nodes)
     integer :: e, kind, n, first, stiffer(size(model%springs))   ! the stiffer copy of a law; 0
     if (reader%dialect /= DIALECT_CALCULIX) return
@@ -88,9 +87,7 @@ contains
     stiffer = 0
     associate (mesh => model%mesh)
       do e = 1, mesh%n_elements
-        if (mesh%kind(e) /= kind) entry = element_kind(mesh%kind(e))
-        kind = mesh%kind(e)
-        if (entry%family == FAMILY_AXISYMMETRIC) is_on_ring(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
+        if (is_of_revolution(mesh%kind(e))) is_on_ring(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .true.
       end do
       do e = 1, mesh%n_elements
         if (.not. any(mesh%kind(e) == [KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2])) cycle

@@ -17,7 +17,7 @@ module amontons_deck_surfaces
   use amontons_surfaces, only: surface_type
   use amontons_user_routines, only: USER_NAME_LENGTH
   use amontons_text, only: to_text, name_key, is_one_of, parse_real, plural, verb, NUMBER_OK, NEWLINE
-  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, is_cohesive, has_faces_in_space
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, face_index
   implicit none
   private
   public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface
@@ -457,10 +457,8 @@ contains
       end if
       n_without = 0
       do i = 1, size(found)
-        face = face_number(label, 'S')
+        face = face_index(model%mesh%kind(found(i)), face_number(label, 'S'))
         if (is_shell(model, found(i))) face = structural_face(model, found(i), label)
-        if (is_cohesive(model%mesh%kind(found(i))) .and. .not. has_faces_in_space(model%mesh%kind(found(i)))) &
-          face = findloc([1, 3], face, dim=1)      ! S1 and S3 hold each other
         if (face == OTHER_LAYER) cycle
         if (face > n_faces(model%mesh, found(i))) face = 0
         if (face == 0) n_without = n_without + 1

@@ -5,7 +5,7 @@
 module amontons_element_kinds
   implicit none
   private
-  public :: element_kind_type, facet_kind_type, element_kind, kind_family, facet_kind, &
+  public :: element_kind_type, facet_kind_type, element_kind, kind_family, facet_kind, is_of_revolution, face_index, &
     element_kind_by_name, has_midsides
   public :: KIND_C3D4, KIND_C3D6, KIND_C3D8, KIND_C3D8_FULL, KIND_C3D10, KIND_C3D20, KIND_C3D20R
   public :: KIND_C3D8I, KIND_C3D8R, KIND_C3D15, KIND_C3D15_LAYER, KIND_CSS8, KIND_CSS6
@@ -352,6 +352,26 @@ contains
     integer, intent(in) :: kind               !< KIND_...
     has_faces_in_space = kind <= N_SOLID_KINDS .or. is_membrane(kind) .or. kind == KIND_COH3D6 .or. kind == KIND_COH3D8
   end function has_faces_in_space
+
+
+  !> The place of a face among those of its kind, by its number in the deck; 0: none. Of cohesive edges S1 and S3 hold each other.
+  elemental integer function face_index(kind, number) result(face)
+    integer, intent(in) :: kind               !< KIND_...
+    integer, intent(in) :: number             !< n of Sn, Pn, Fn; 0: none
+    type(element_kind_type) :: entry
+    entry = element_kind(kind)
+    face = number
+    if (is_cohesive(kind) .and. .not. has_faces_in_space(kind)) face = findloc([1, 3], number, dim=1)
+    if (face > entry%n_faces) face = 0
+  end function face_index
+
+
+  !> Whether a kind is a ring of a body of revolution: its faces reach around the circle.
+  elemental logical function is_of_revolution(kind)
+    integer, intent(in) :: kind               !< KIND_..., or 0
+    is_of_revolution = kind == KIND_COHAX4
+    if (kind > 0 .and. .not. is_of_revolution) is_of_revolution = kind_family(kind) == FAMILY_AXISYMMETRIC
+  end function is_of_revolution
 
 
   !> Whether a kind is cohesive: two faces that hold each other by tractions over their separation.

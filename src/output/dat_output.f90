@@ -235,7 +235,7 @@ contains
         damage = damage_variables(model, fields)
         call print_head(unit, 'damage (elem, integ.pnt.,sdeg)', set, time)
         call print_point_rows(unit, model, fields%step, set, damage(1:1, :))
-      case ('DMICRT')
+      case ('DMIC')
         damage = damage_variables(model, fields)
         call print_head(unit, 'criterion of damage (elem, integ.pnt.,dmicrt)', set, time)
         call print_point_rows(unit, model, fields%step, set, damage(2:2, :))

@@ -26,6 +26,7 @@ module amontons_postprocess
   use amontons_shape_functions, only: extrapolation_matrix, quadrature, shape_functions, choose_face_rule, facet_shapes, &
     facet_quadrature, &
     MAX_FACET_POINTS
+  use amontons_tributary_areas, only: out_of_plane_depth
   use amontons_element, only: evaluate_point_volumes, set_temperature_weights
   use amontons_material_point, only: evaluate_thermal_strain
   use amontons_model, only: model_type, material_in_step, DIALECT_CALCULIX
@@ -414,7 +415,7 @@ contains
       call facet_shapes(kind%face_kind(face), xi(:, p), shape, slope, bend)
       at = matmul(x(:, :n), shape(:n))
       along = matmul(x(:, :n), transpose(slope(:, :n)))
-      if (.not. has_faces_in_space(mesh%kind(e))) along(:, 2) = [0.0_DP, 0.0_DP, mesh%section_value(e)]
+      if (.not. has_faces_in_space(mesh%kind(e))) along(:, 2) = [0.0_DP, 0.0_DP, out_of_plane_depth(mesh, e)]
       a = w(p) * cross_product(along(:, 1), along(:, 2))
       f = matmul(unpack_voigt(matmul(stress(:, nodes(:n)), shape(:n))), a)
       section%force = section%force + f

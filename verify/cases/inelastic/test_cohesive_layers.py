@@ -71,8 +71,9 @@ def test_bilinear_law(run_deck: RunDeck, tmp_path: Path, kind: str, mode: int) -
     d = 0.1 * np.arange(1, 11) / 10
     expected = area * bilinear(d, (1000.0, 600.0)[mode], (10.0, 8.0)[mode], (0.3, 0.35)[mode])
     assert forces(tmp_path)[:, axes[mode] - 1] == pytest.approx(expected, rel=1e-5, abs=1e-6 * expected.max())
-    damage = [list(t.rows.values()) for t in read_dat(tmp_path / "job.dat") if t.title.startswith("damage")]
-    assert np.ravel(damage[-1]) == pytest.approx(1.0)
+    for title in ("damage", "criterion of damage"):
+        values = [list(t.rows.values()) for t in read_dat(tmp_path / "job.dat") if t.title.startswith(title)]
+        assert np.ravel(values[-1]) == pytest.approx(1.0), title
 
 
 @pytest.mark.parametrize("options", ["", ", THICKNESS=SPECIFIED"])
@@ -82,6 +83,69 @@ def test_thickness_and_width(run_deck: RunDeck, tmp_path: Path, options: str) ->
     done = run_deck(one_element("COH2D4", law, "UP, 1, 1, 0.01\nUP, 2, 2, -0.02\n", "0.25, 3.", options, n=1))
     assert done.returncode == 0, done.stdout + done.stderr
     assert forces(tmp_path)[-1, :2] == pytest.approx([2 * 3 * 600 * 0.01 / 0.25, -2 * 3 * 1000 * 0.02 / 0.25], rel=1e-6)
+
+
+#: Of each kind: the upper face, its area with width 3 in the plane, and the axis of the pressure.
+UPPER = {"COH3D8": ("2", 2.0, 3), "COH3D6": ("2", 1.0, 3), "COH2D4": ("3", 6.0, 2), "COHAX4": ("3", np.pi * 8, 2)}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("load", ["P", "F"])
+def test_loads_on_a_face(run_deck: RunDeck, tmp_path: Path, kind: str, load: str) -> None:
+    """A pressure on the upper face, or its foundation: the force is that of the area, whatever the thickness of the law."""
+    face, area, axis = UPPER[kind]
+    card = {"P": f"*DLOAD\nGLUE, P{face}, 5.\n", "F": f"*BOUNDARY\nUP, {axis}, {axis}, 0.01\n"}[load]
+    section = "0.2, 3." if kind == "COH2D4" else "0.2"
+    deck = one_element(kind, "*ELASTIC, TYPE=TRACTION\n1000., 600., 600.\n", "", section, n=1).replace("*BOUNDARY\n*NODE", card + "*NODE")
+    if load == "F":
+        deck = deck.replace("*STEP\n", f"*FOUNDATION\nGLUE, F{face}, 70.\n*STEP\n")
+    done = run_deck(deck.replace("*NODE PRINT, NSET=UP, TOTALS=ONLY\nRF", "*NODE PRINT, NSET=LOW, TOTALS=ONLY\nRF\n*NODE PRINT, NSET=UP, TOTALS=ONLY\nRF"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    low, up = forces(tmp_path)[:, axis - 1]
+    if load == "P":
+        assert low == pytest.approx(5 * area, rel=1e-6)
+    else:
+        assert low + up == pytest.approx(70 * 0.01 * area, abs=1e-6 * abs(low))  # of seven digits
+        assert low == pytest.approx(-1000 / 0.2 * 0.01 * area, rel=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["COH2D4", "COHAX4"])
+def test_contact_of_a_face(run_deck: RunDeck, tmp_path: Path, kind: str) -> None:
+    """The upper face is pushed against a rigid edge through a linear pressure-overclosure law: the force is that of its area."""
+    _, area, axis = UPPER[kind]
+    solid = kind.replace("COH2D4", "CPE4").replace("COHAX4", "CAX4")
+    (left, _, _), (right, _, _) = KINDS[kind][0]
+    deck = one_element(kind, "*ELASTIC, TYPE=TRACTION\n1000., 600., 600.\n", "LOW, 2, 2, 0.01\nUP, 2, 2, 0.01\n", "0.2, 3." if kind == "COH2D4" else "0.2", n=1)
+    deck = deck.replace("*BOUNDARY\nLOW", f"""*NODE
+11, {left - 0.5}, 0.
+12, {right + 0.5}, 0.
+13, {right + 0.5}, 1.
+14, {left - 0.5}, 1.
+*ELEMENT, TYPE={solid}, ELSET=BLOCK
+2, 11, 12, 13, 14
+*NSET, NSET=BLOCK
+11, 12, 13, 14
+*MATERIAL, NAME=STEEL
+*ELASTIC
+1000., 0.
+*SOLID SECTION, ELSET=BLOCK, MATERIAL=STEEL
+3.
+*SURFACE, NAME=SLAVE
+GLUE, S3
+*SURFACE, NAME=MASTER
+BLOCK, S1
+*SURFACE INTERACTION, NAME=PRESS
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR
+70.
+*CONTACT PAIR, INTERACTION=PRESS, TYPE=NODE TO SURFACE
+SLAVE, MASTER
+*BOUNDARY
+BLOCK, 1, 2
+LOW""", 1)
+    deck = deck.replace("*NODE PRINT, NSET=UP", "*NODE PRINT, NSET=BLOCK")
+    done = run_deck(deck.replace("LOW, 1, 3\n*STEP", "LOW, 1, 1\nUP, 1, 1\n*STEP"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert forces(tmp_path)[-1, axis - 1] == pytest.approx(-70 * 0.01 * area, rel=1e-6)
 
 
 def test_viscosity(run_deck: RunDeck, tmp_path: Path) -> None:

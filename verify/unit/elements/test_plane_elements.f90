@@ -329,25 +329,25 @@ contains
     integer, intent(in) :: family, edge
     real(DP), parameter :: STEP = 1e-6_DP
     real(DP) :: x(3, 3), moved(3, 3), r(3, 3), force(3, MAX_FACE_NODES), fp(3, MAX_FACE_NODES), fm(3, MAX_FACE_NODES)
-    real(DP) :: K(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES), unused(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES), depth
+    real(DP) :: K(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES), unused(3 * MAX_FACE_NODES, 3 * MAX_FACE_NODES), depth, width
     integer :: n, a, j
     n = merge(2, 3, edge == FACET_LINE2)
     x = reshape([real(DP) :: 2, 0, 0, 4, 0, 0, 3, 0, 0], [3, 3])
-    depth = THICKNESS
-    if (family == FAMILY_AXISYMMETRIC) depth = 2 * PI * 3
-    call integrate_edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
+    depth = merge(2 * PI * 3, THICKNESS, family == FAMILY_AXISYMMETRIC)
+    width = merge(-1.0_DP, THICKNESS, family == FAMILY_AXISYMMETRIC)
+    call integrate_edge_pressure(edge, x(:, :n), width, 5.0_DP, force, K, edge)
     call suite%near('edge: sum, pushes to the left', maxval(abs(sum(force, 2) - [0.0_DP, 10 * depth, 0.0_DP])), 0.0_DP, &
       1e-12_DP * depth)
     call random_number(r)
     x(:2, :) = x(:2, :) + 0.3_DP * (r(:2, :) - 0.5_DP)
-    call integrate_edge_pressure(family, edge, x(:, :n), THICKNESS, 5.0_DP, force, K, edge)
+    call integrate_edge_pressure(edge, x(:, :n), width, 5.0_DP, force, K, edge)
     do a = 1, n
       do j = 1, 2
         moved = x
         moved(j, a) = x(j, a) + STEP
-        call integrate_edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fp, unused, edge)
+        call integrate_edge_pressure(edge, moved(:, :n), width, 5.0_DP, fp, unused, edge)
         moved(j, a) = x(j, a) - STEP
-        call integrate_edge_pressure(family, edge, moved(:, :n), THICKNESS, 5.0_DP, fm, unused, edge)
+        call integrate_edge_pressure(edge, moved(:, :n), width, 5.0_DP, fm, unused, edge)
         call suite%near('edge: load stiffness', norm2(reshape((fp - fm) / (2 * STEP), [3 * MAX_FACE_NODES]) &
           - K(:, 3 * (a - 1) + j)), 0.0_DP, 1e-8_DP * norm2(K))
       end do
