@@ -10,11 +10,12 @@ module amontons_elasticity
   use amontons_tensor, only: VOIGT_IDENTITY, VOIGT_ROW, VOIGT_COLUMN, IDENTITY, determinant_minus_one, double_dot, &
     invert, pack_voigt, push_forward, unpack_voigt
   use amontons_logarithmic_strain, only: principal_strains_type, find_principal_strains, left_cauchy_green, &
-    tensor_from_principal, coth_divided_difference, NEXT_AXIS
+    tensor_from_principal, coth_divided_difference, expm1, NEXT_AXIS
   implicit none
   private
   public :: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, check_gradient
   public :: small_strain_modulus, hooke_stress, isotropic_tangent, green_strain, green_strain_of_stretch, almansi_strain
+  public :: gradient_without_swelling
   public :: elasticity_matrix, isochoric_tangent, deviator
   public :: STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE, MAX_DISPLACEMENT_GRADIENT
 
@@ -238,6 +239,20 @@ contains
     strain = 0
     if (any(abs(e) > 0)) strain = green_strain(unpack_voigt(e))
   end function green_strain_of_stretch
+
+
+  !> The displacement gradient of F inv((1 + e) exp(s)) of a body that has swollen by e and s, no difference of numbers near 1:
+  !! a body that has swollen freely has no stress.
+  pure function gradient_without_swelling(H, e, s) result(rest)
+    real(DP), intent(in) :: H(3, 3)                !< displacement gradient of F [-]
+    real(DP), intent(in) :: e(6)                   !< thermal strain, tensor components, 1 + e positive definite [-]
+    real(DP), intent(in) :: s                      !< logarithmic, the same in all directions [-]
+    real(DP) :: rest(3, 3), swelling(3, 3), inverse(3, 3), det
+    swelling = unpack_voigt(e)
+    swelling = swelling + (IDENTITY + swelling) * expm1(s)
+    call invert(IDENTITY + swelling, inverse, det)
+    rest = matmul(H - swelling, inverse)
+  end function gradient_without_swelling
 
 
   !> (1 - inv(b))/2 = -(h + h' + h'h)/2 with h = inv(F) - 1 = -inv(F) H, without loss of digits at small strain.

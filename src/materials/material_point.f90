@@ -35,7 +35,8 @@ module amontons_material_point
   use amontons_viscoelasticity, only: viscoelastic_stress, relax_finite_stress
   use amontons_lode_angle_return, only: principal_return_type, map_principal_return
   use amontons_elasticity, only: hooke_stress, lame_constants, isotropic_tangent, isochoric_tangent, elasticity_matrix, deviator, &
-    green_strain, green_strain_of_stretch, almansi_strain, check_gradient, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
+    green_strain, green_strain_of_stretch, gradient_without_swelling, almansi_strain, check_gradient, STRESS_OK, STRESS_INVERTED, &
+    STRESS_NOT_FINITE
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, determinant_minus_one, double_dot, invert, pack_voigt, push_forward, &
     unpack_voigt, von_mises
   use amontons_user_routines, only: creep_type
@@ -145,7 +146,7 @@ contains
     else if (material%law == LAW_SAINT_VENANT .and. is_inelastic(material) .and. moduli%is_isotropic .and. .not. &
       allocated(material%cone%value)) then
       call evaluate_simo_law(material, moduli, point, status)
-      thermal_stretch = (1 + moduli%thermal(1))**3           ! the law is that of a volume which has swollen
+      thermal_stretch = 1 + determinant_minus_one(unpack_voigt(moduli%thermal))  ! the law is that of a volume which has swollen
       point%stress = thermal_stretch * point%stress
       point%tangent = thermal_stretch * point%tangent
       point%energy = thermal_stretch * point%energy
@@ -755,12 +756,10 @@ contains
     type(return_mapping_type) :: back
     real(DP) :: H(3, 3), F(3, 3), j_minus_one, J, scale, b(6), k(6), s(6), n(6), size, modulus, flow
     real(DP) :: stretch                            ! inelastic, of the initial state, logarithmic [-]
-    real(DP) :: swelling                           ! with the thermal one, minus 1 [-]
     integer :: return_status
     stretch = 0
     if (material%n_history == HISTORY_STRETCH) stretch = point%history_old(HISTORY_STRETCH)
-    swelling = moduli%thermal(1) + (1 + moduli%thermal(1)) * expm1(stretch)
-    H = (point%H - swelling * IDENTITY) / (1 + swelling)   ! no difference of numbers near 1: unloaded bodies have no stress
+    H = gradient_without_swelling(point%H, moduli%thermal, stretch)
     F = IDENTITY + H
     j_minus_one = determinant_minus_one(H)
     J = 1 + j_minus_one

@@ -5,7 +5,7 @@ program test_elasticity
   use amontons_kinds, only: DP
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_elasticity, only: small_strain_stress, finite_strain_stress, kirchhoff_stress, lame_constants, &
-    STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
+    gradient_without_swelling, STRESS_OK, STRESS_INVERTED, STRESS_NOT_FINITE
   use amontons_logarithmic_strain, only: log1p
   use amontons_tensor, only: IDENTITY, VOIGT_IDENTITY, pack_voigt, unpack_voigt, double_dot
   use check, only: suite_type
@@ -22,6 +22,7 @@ program test_elasticity
   call lame_constants(material%youngs_modulus, material%poissons_ratio, lambda, G)
   call check_small()
   call check_logarithm()
+  call check_swelling()
   call check_hencky_closed_forms()
   call check_saint_venant_closed_forms()
   do i = LAW_HENCKY, LAW_SAINT_VENANT
@@ -49,6 +50,21 @@ contains
     call suite%near('tangent times engineering strain', maxval(abs(matmul(tangent, gamma) - stress)), 0.0_DP, 1e-14_DP)
     call suite%near('shear modulus', tangent(5, 5), 7 / 2.6_DP, 1e-15_DP)
   end subroutine check_small
+
+
+  !> A stretch behind a swelling, and free swelling by other amounts along each axis.
+  subroutine check_swelling()
+    real(DP) :: H(3, 3), e(6), swollen(3, 3)
+    call random_number(H)
+    call random_number(e)
+    H = 0.1_DP * H
+    e = 0.1_DP * e
+    swollen = exp(0.03_DP) * (IDENTITY + unpack_voigt(e))
+    swollen = gradient_without_swelling(matmul(IDENTITY + H, swollen) - IDENTITY, e, 0.03_DP)
+    call suite%near('swelling is taken off', maxval(abs(swollen - H)), 0.0_DP, 1e-15_DP)
+    swollen = gradient_without_swelling(unpack_voigt(e), e, 0.0_DP)
+    call suite%near('free swelling leaves nothing', maxval(abs(swollen)), 0.0_DP, 0.0_DP)
+  end subroutine check_swelling
 
 
   subroutine check_logarithm()
