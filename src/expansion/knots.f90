@@ -189,15 +189,18 @@ contains
   !> The first step from which the inner nodes of a director are held between the outer ones along direction k; 0: never.
   !!
   !! That in which this displacement of the node is prescribed. Under the calculix dialect a prescribed rotation of a cross-section
-  !! holds them along all directions too, as CalculiX does (found by experiment with CalculiX 2.20; a moment does not).
+  !! holds them along all directions, a prescribed displacement or a moment along none, as in CalculiX (found by experiment with
+  !! CalculiX 2.20).
   pure integer function held_inner_from(model, director, k) result(step)
     type(model_type), intent(in) :: model
     type(director_type), intent(in) :: director
     integer, intent(in) :: k                     !< 1, 2, 3
     integer, allocatable :: steps(:)
-    steps = model%structure%held_from([k], director%node)
-    if (model%dialect == DIALECT_CALCULIX .and. director%n_outer == 4) &
-      steps = [steps, model%structure%held_from(4:, director%node)]
+    if (model%dialect == DIALECT_CALCULIX .and. director%n_outer == 4) then
+      steps = model%structure%held_from(4:, director%node)
+    else
+      steps = model%structure%held_from([k], director%node)
+    end if
     steps = pack(steps, steps > 0)
     step = 0
     if (size(steps) > 0) step = minval(steps)
