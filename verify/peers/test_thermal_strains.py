@@ -67,3 +67,16 @@ def test_warm_body_that_yields(run_deck: Run, tmp_path: Path, expansion: float) 
     strains = [list(blocks[-1].rows.values())[0][0] for blocks in (ours, theirs)]
     assert strains[0] == pytest.approx(math.log(1 + e) - YIELD / E, rel=2e-3)
     assert strains[1] == pytest.approx(-math.log(1 - e) - YIELD / E, rel=2e-3)
+
+
+def test_held_rubber(run_deck: Run, tmp_path: Path) -> None:
+    """A cube of rubber of the volumetric energy (J - 1)^2/D, held on all sides: the stress 2/D (J - 1) J, J = 1/(1 + e)^3.
+
+    In CalculiX F - e is 1 - e: the second Piola-Kirchhoff stress 2/D (J - 1) J/(1 - e)^2 with J = (1 - e)^3.
+    """
+    e, d = 0.01, 0.001
+    text = model(e / WARMED).replace(f"*ELASTIC\n{E}, {NU}\n", f"*HYPERELASTIC, NEO HOOKE\n500., {d}\n")
+    text += f"*BOUNDARY\nN, 1, 3\n*STEP, NLGEOM\n*STATIC\n*TEMPERATURE\nN, {20 + WARMED}\n*EL PRINT, ELSET=E\nS\n*END STEP\n"
+    ours, theirs = tables_by_both(run_deck, tmp_path, text)
+    assert stress(ours) == pytest.approx(2 / d * ((1 + e) ** -3 - 1) * (1 + e) ** -3, rel=1e-5)
+    assert stress(theirs) == pytest.approx(2 / d * ((1 - e) ** 3 - 1) * (1 - e), rel=1e-5)
