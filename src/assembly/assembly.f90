@@ -5,7 +5,7 @@
 !! it is divided. Values at integration points stay with their rank until `share_points`.
 module amontons_assembly
   use amontons_kinds, only: DP
-  use amontons_element_kinds, only: KIND_C3D8I, KIND_C3D15, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
+  use amontons_element_kinds, only: has_modes, KIND_C3D15, KIND_CSS8, KIND_CSS6, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, &
     KIND_GAPUNI, MAX_ELEMENT_NODES, is_cohesive
   use amontons_mesh, only: mesh_type, element_nodes, wall_ratios
   use amontons_materials, only: material_type, CREEP_USER, MAX_HISTORY
@@ -645,8 +645,8 @@ contains
       skew(:3 * n, :3 * n) = 0.5_DP * (stiffness(:3 * n, :3 * n) - transpose(stiffness(:3 * n, :3 * n)))   ! of kinds with modes
       stiffness(:3 * n, :3 * n) = stiffness(:3 * n, :3 * n) - skew(:3 * n, :3 * n)
       call scatter_element(model%mesh, e, offset, stiffness, assembly%stiffness)
-      if (all(model%mesh%kind(e) /= [KIND_C3D8I, KIND_CSS8, KIND_CSS6]) .and. .not. (is_cohesive(model%mesh%kind(e)) .or. &
-        is_quadratic_solid_shell(model%mesh, e))) &
+      if (all(model%mesh%kind(e) /= [KIND_CSS8, KIND_CSS6]) .and. .not. (has_modes(model%mesh%kind(e)) .or. &
+        is_cohesive(model%mesh%kind(e)) .or. is_quadratic_solid_shell(model%mesh, e))) &
         call evaluate_element_skew(model%mesh%kind(e), X(:, :n), u(:, :n), is_nlgeom, points%section_value, points%skew, skew, &
         points%walls)
       call scatter_element(model%mesh, e, offset, skew, assembly%skew%elements)

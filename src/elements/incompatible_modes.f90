@@ -1,4 +1,4 @@
-!> Incompatible modes of C3D8I: gradients, Newton update of their amplitudes, static condensation.
+!> Incompatible modes of C3D8I, CPS4I, CPE4I, CAX4I: gradients, Newton update of their amplitudes, static condensation.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! Three additional shape functions, 1 - xi_m^2, with amplitudes local to the element. With their gradients formed with
@@ -6,7 +6,9 @@
 !!
 !!     G_m = xi_m (j_0 / j) J_0^-T e_m,
 !!
-!! their sum over the points is zero, so that the patch test is passed on distorted elements.
+!! their sum over the points is zero, so that the patch test is passed on distorted elements. In the plane there are two. In an
+!! axisymmetric element, whose volumes grow with the radius, constants keep the sum zero, and a fifth amplitude gives a hoop strain
+!! xi eta: it leaves one condition on the volume (doc/theory/elements.md, "Incompatible modes in the plane").
 !!
 !! References: R. L. Taylor, P. J. Beresford, E. L. Wilson, A non-conforming element for stress analysis, Int. J. Numer.
 !! Meth. Engng 10 (1976) 1211-1219; J. C. Simo, M. S. Rifai, A class of mixed assumed strain methods and the method of
@@ -18,8 +20,8 @@ module amontons_incompatible_modes
   use amontons_element_kinds, only: MAX_ELEMENT_NODES
   implicit none
   private
-  public :: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, halve_mode_correction, &
-    condense_mode_amplitudes, add_mode_skew_part
+  public :: mode_iteration_type, evaluate_mode_gradients, evaluate_plane_mode_gradients, update_mode_amplitudes, &
+    halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part
   public :: N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, TOL_MODE_FORCE_ACCEPTABLE
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
@@ -57,6 +59,49 @@ contains
       end do
     end do
   end subroutine evaluate_mode_gradients
+
+
+  !> The gradients of both modes of a quadrilateral at the 2x2 points. Of an axisymmetric one also what the gradient of the radial
+  !! displacement has more, and the hoop strains of the radial amplitudes and of a third mode.
+  !!
+  !! With r = r_0 + r_1 xi + r_2 eta + r_3 xi eta and volumes w_p r_p j_p, and g_m = d xi_m/d r in the centre,
+  !!
+  !!     G_m    = (xi_m - r_m/(3 r_0)) (j_0/j) J_0^-T e_m            sum zero
+  !!     pair   : rr  r_m g_m/(3 r_0) j_0/j,   hoop  -r_m g_m/(3 r) j_0/j       sum of both zero
+  !!     third  : hoop  (xi eta - r_3/(9 r_0)) (j_0/j)/r_0           sum zero
+  !!
+  !! so that no stress with equal radial and hoop parts does work in them, as the patch test requires. The pair makes the radial
+  !! mode the displacement 1 - xi^2 with its own hoop strain: a tube under pressure has exact displacements of the nodes.
+  !! Reference: Simo and Rifai 1990, but for the pair.
+  pure subroutine evaluate_plane_mode_gradients(X, xi, is_axisymmetric, gradients, radial, hoop)
+    real(DP), intent(in) :: X(:, :)                !< (>= 2, 4) reference coordinates [length]
+    real(DP), intent(in) :: xi(:, :)               !< (>= 2, 4) natural coordinates of the points [-]
+    logical, intent(in) :: is_axisymmetric         !< x is the radius
+    real(DP), intent(out) :: gradients(:, :, :)    !< (2 modes, 2, 4) [1/length]
+    real(DP), intent(out) :: radial(:, :)          !< (2 modes, 4) more of d u_x/d x; 0 in the plane [1/length]
+    real(DP), intent(out) :: hoop(:, :)            !< (3 modes, 4) of a radial amplitude of 1; 0 in the plane [1/length]
+    real(DP), parameter :: FIELDS(4, 0:3) = reshape([real(DP) :: 1, 1, 1, 1, -1, 1, 1, -1, -1, -1, 1, 1, 1, -1, 1, -1], [4, 4])
+    real(DP) :: parts(2, 0:3), J(2, 2), inverse(2, 2), det, ratio, shift(3), radius
+    integer :: p, m
+    parts = matmul(X(:2, :4), FIELDS) / 4
+    shift = 0
+    if (is_axisymmetric) shift = parts(1, 1:3) / (parts(1, 0) * [3.0_DP, 3.0_DP, 9.0_DP])
+    det = parts(1, 1) * parts(2, 2) - parts(1, 2) * parts(2, 1)
+    inverse = reshape([parts(2, 2), -parts(2, 1), -parts(1, 2), parts(1, 1)], [2, 2]) / det
+    hoop = 0
+    do p = 1, 4
+      J(:, 1) = parts(:, 1) + xi(2, p) * parts(:, 3)
+      J(:, 2) = parts(:, 2) + xi(1, p) * parts(:, 3)
+      ratio = det / (J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1))
+      radius = dot_product(parts(1, :), [1.0_DP, xi(1, p), xi(2, p), xi(1, p) * xi(2, p)])
+      do m = 1, 2
+        gradients(m, :, p) = (xi(m, p) - shift(m)) * ratio * inverse(m, :)
+        radial(m, p) = shift(m) * ratio * inverse(m, 1)
+        if (is_axisymmetric) hoop(m, p) = -radial(m, p) * parts(1, 0) / radius
+      end do
+      if (is_axisymmetric) hoop(3, p) = (xi(1, p) * xi(2, p) - shift(3)) * ratio / parts(1, 0)
+    end do
+  end subroutine evaluate_plane_mode_gradients
 
 
   !> Updates the amplitudes: a Newton correction, or, if the last one passed the energy minimum, a secant step back.

@@ -1,4 +1,4 @@
-!> Plane stress, plane strain and axisymmetric elements with B-bar/F-bar, and the pressure on their edges.
+!> Plane stress, plane strain and axisymmetric elements with B-bar/F-bar or incompatible modes, and the pressure on their edges.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 !!
 !! The material law is three-dimensional: the plane strains enter it as xx yy zz xy, with zz
@@ -14,6 +14,8 @@ module amontons_plane_elements
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use amontons_kinds, only: DP, PI
   use amontons_zero_stress_condition, only: solve_zero_stress, evaluate_initial_tangent, CONDITION_NONE, CONDITION_PLANE_STRESS
+  use amontons_incompatible_modes, only: mode_iteration_type, evaluate_plane_mode_gradients, update_mode_amplitudes, &
+    halve_mode_correction, condense_mode_amplitudes, N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, TOL_MODE_FORCE_ACCEPTABLE
   use amontons_hourglass_flow, only: load_hourglass_flow, store_hourglass_flow
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
     has_present_modulus, artificial_modulus
@@ -25,8 +27,8 @@ module amontons_plane_elements
   use amontons_shape_functions, only: shape_functions, quadrature, facet_shapes, facet_quadrature, MAX_FACET_POINTS
   use amontons_elasticity, only: STRESS_OK, STRESS_INVERTED, MAX_DISPLACEMENT_GRADIENT
   use amontons_logarithmic_strain, only: log1p
-  use amontons_tensor, only: IDENTITY, determinant_minus_one
-  use amontons_element_kinds, only: element_kind, element_kind_type, is_one_point, KIND_CPE4_FULL, &
+  use amontons_tensor, only: IDENTITY, determinant_minus_one, invert
+  use amontons_element_kinds, only: element_kind, element_kind_type, is_one_point, has_modes, KIND_CPE4_FULL, &
     FAMILY_PLANE_STRESS, FAMILY_AXISYMMETRIC, FACET_TRI3, FACET_QUAD4, MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_FACE_NODES, &
     N_CIRCLE_SECTORS
   implicit none
@@ -40,13 +42,16 @@ module amontons_plane_elements
 
   !> The geometry of one element.
   type :: plane_geometry_type
+    type(element_kind_type) :: entry                  !< of its kind
     integer :: n = 0                                  !< nodes
+    integer :: n_all = 0                              !< nodes and incompatible modes, which follow as if they were nodes
     integer :: m = 0                                  !< points
     real(DP) :: N_a(MAX_PLANE_NODES, MAX_PLANE_POINTS)                   !< shape functions [-]
     real(DP) :: weight(MAX_PLANE_NODES, MAX_PLANE_POINTS)                !< of the nodal temperatures [-]
     real(DP) :: gradient(MAX_PLANE_NODES, 2, MAX_PLANE_POINTS)           !< dN_a/dX, later dN_a/dx [1/length]
     real(DP) :: hoop(MAX_PLANE_NODES, MAX_PLANE_POINTS)                  !< N_a/X, later N_a/x; 0 but for axisymmetric kinds
                                                                          !! [1/length]
+    real(DP) :: radial(MAX_PLANE_NODES, 2, MAX_PLANE_POINTS)             !< what the gradient of u_x has more, of modes [1/length]
     real(DP) :: reference(MAX_PLANE_POINTS)                     !< reference volumes of the points [length^3]
     real(DP) :: current(MAX_PLANE_POINTS)                       !< current volumes [length^3]
     real(DP) :: H(3, 3, MAX_PLANE_POINTS)                       !< displacement gradient, or that of F-bar [-]
@@ -75,6 +80,10 @@ contains
     type(element_kind_type) :: entry
     real(DP) :: tau(4, MAX_PLANE_POINTS), c(4, 4, MAX_PLANE_POINTS), B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS), &
       f(2 * MAX_PLANE_NODES)
+    if (has_modes(kind)) then
+      call evaluate_incompatible_modes(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+      return
+    end if
     entry = element_kind(kind)
     force = 0
     call set_reference(kind, entry, X, points%section_value, geometry, status)
@@ -108,8 +117,11 @@ contains
     rule = kind
     geometry%is_one_point = is_one_point(kind)
     if (geometry%is_one_point) rule = KIND_CPE4_FULL
+    geometry%entry = entry
     geometry%n = entry%n_nodes
+    geometry%n_all = geometry%n
     geometry%hoop = 0
+    geometry%radial = 0
     call quadrature(rule, geometry%m, xi, w)
     do p = 1, geometry%m
       call shape_functions(rule, xi(:, p), N, dN)
@@ -132,6 +144,11 @@ contains
       if (.not. geometry%reference(p) > 0) status = ELEMENT_DEGENERATE
     end do
     if (geometry%is_one_point .and. status == ELEMENT_OK) call average_gradients(geometry)
+    if (has_modes(kind) .and. status == ELEMENT_OK) then
+      geometry%n_all = geometry%n + N_MODES
+      call evaluate_plane_mode_gradients(X, xi, entry%family == FAMILY_AXISYMMETRIC, geometry%gradient(5:6, :, :4), &
+        geometry%radial(5:6, 1, :4), geometry%hoop(5:7, :4))
+    end if
     call set_point_temperature_weights(entry, xi, geometry)
     geometry%at_rest = geometry%gradient(:, :, 1)
     geometry%reference_hoop = geometry%hoop(:4, 1)
@@ -195,14 +212,14 @@ contains
   !> Displacement gradients; under NLGEOM current gradients and volumes; B; with mean dilatation its mean and F-bar.
   pure subroutine update_kinematics(entry, u, is_nlgeom, geometry, B, status)
     type(element_kind_type), intent(in) :: entry
-    real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes and modes) [length]
     logical, intent(in) :: is_nlgeom
     type(plane_geometry_type), intent(inout) :: geometry
     real(DP), intent(out) :: B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS)
     integer, intent(out) :: status                 !< ELEMENT_...
     integer :: p, a
     status = ELEMENT_NOT_FINITE
-    if (.not. all(ieee_is_finite(u(:2, :geometry%n)))) return
+    if (.not. all(ieee_is_finite(u(:2, :geometry%n_all)))) return
     status = ELEMENT_OK
     do p = 1, geometry%m
       geometry%H(:, :, p) = 0
@@ -211,10 +228,17 @@ contains
         geometry%H(:2, 2, p) = geometry%H(:2, 2, p) + (u(:2, a) - u(:2, 1)) * geometry%gradient(a, 2, p)
         geometry%H(3, 3, p) = geometry%H(3, 3, p) + u(1, a) * geometry%hoop(a, p)
       end do
+      do a = geometry%n + 1, geometry%n_all
+        geometry%H(:2, 1, p) = geometry%H(:2, 1, p) + u(:2, a) * geometry%gradient(a, 1, p)
+        geometry%H(:2, 2, p) = geometry%H(:2, 2, p) + u(:2, a) * geometry%gradient(a, 2, p)
+        geometry%H(1, 1, p) = geometry%H(1, 1, p) + u(1, a) * geometry%radial(a, 1, p)
+        geometry%H(3, 3, p) = geometry%H(3, 3, p) + u(1, a) * geometry%hoop(a, p)
+      end do
       if (is_nlgeom) call push_forward(geometry, p, status)
       if (status /= ELEMENT_OK) return
-      do a = 1, geometry%n
-        B(:, 2 * a - 1, p) = [geometry%gradient(a, 1, p), 0.0_DP, geometry%hoop(a, p), geometry%gradient(a, 2, p)]
+      do a = 1, geometry%n_all
+        B(:, 2 * a - 1, p) = [geometry%gradient(a, 1, p) + geometry%radial(a, 1, p), 0.0_DP, geometry%hoop(a, p), &
+          geometry%gradient(a, 2, p) + geometry%radial(a, 2, p)]
         B(:, 2 * a, p) = [0.0_DP, geometry%gradient(a, 2, p), 0.0_DP, geometry%gradient(a, 1, p)]
       end do
     end do
@@ -246,6 +270,10 @@ contains
     x = (geometry%gradient(:, 1, p) * F(2, 2) - geometry%gradient(:, 2, p) * F(2, 1)) / det
     geometry%gradient(:, 2, p) = (geometry%gradient(:, 2, p) * F(1, 1) - geometry%gradient(:, 1, p) * F(1, 2)) / det
     geometry%gradient(:, 1, p) = x
+    if (geometry%n_all > geometry%n) then
+      geometry%radial(:, 2, p) = -geometry%radial(:, 1, p) * F(1, 2) / det
+      geometry%radial(:, 1, p) = geometry%radial(:, 1, p) * F(2, 2) / det
+    end if
     geometry%hoop(:, p) = geometry%hoop(:, p) / (1 + geometry%H(3, 3, p))
   end subroutine push_forward
 
@@ -347,7 +375,7 @@ contains
         t(:3) = t(:3) - pressure
         total = total + pressure
       end if
-      f(:2 * geometry%n) = f(:2 * geometry%n) + matmul(t, B(:, :2 * geometry%n, p))
+      f(:2 * geometry%n_all) = f(:2 * geometry%n_all) + matmul(t, B(:, :2 * geometry%n_all, p))
     end do
     if (is_mean_dilatation) f(:2 * geometry%n) = f(:2 * geometry%n) + total * geometry%mean(:2 * geometry%n)
   end subroutine integrate_forces
@@ -363,7 +391,7 @@ contains
     real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< zero on entry up to 3 n
     real(DP) :: K(2 * MAX_PLANE_NODES, 2 * MAX_PLANE_NODES), r(2 * MAX_PLANE_NODES), factor
     integer :: p, i, j, row, column
-    associate (n => 2 * geometry%n, mean => geometry%mean)
+    associate (n => 2 * geometry%n_all, mean => geometry%mean)
       K = 0
       if (is_mean_dilatation) then
         call fold_mean_dilatation(geometry, B, tau, c, r, factor)
@@ -398,15 +426,20 @@ contains
     integer, intent(in) :: p                       !< point
     real(DP), intent(in) :: tau(4)                 !< times the volume [force length]
     real(DP), intent(inout) :: K(2 * MAX_PLANE_NODES, 2 * MAX_PLANE_NODES)
-    real(DP) :: t(2), term
+    real(DP) :: t(2), term, h(2)
     integer :: a, b
-    do b = 1, geometry%n
+    do b = 1, geometry%n_all
       associate (g => geometry%gradient(:, :, p), hoop => geometry%hoop(:, p))
         t = [tau(1) * g(b, 1) + tau(4) * g(b, 2), tau(4) * g(b, 1) + tau(2) * g(b, 2)]
-        do a = b, geometry%n
+        do a = b, geometry%n_all
           term = g(a, 1) * t(1) + g(a, 2) * t(2)
-          K(2 * a - 1, 2 * b - 1) = K(2 * a - 1, 2 * b - 1) + term + hoop(a) * tau(3) * hoop(b)
           K(2 * a, 2 * b) = K(2 * a, 2 * b) + term
+          if (a > geometry%n) then                  ! the gradient of u_x of a mode differs from that of u_y
+            h = g(b, :) + geometry%radial(b, :, p)
+            h = [tau(1) * h(1) + tau(4) * h(2), tau(4) * h(1) + tau(2) * h(2)]
+            term = dot_product(g(a, :) + geometry%radial(a, :, p), h)
+          end if
+          K(2 * a - 1, 2 * b - 1) = K(2 * a - 1, 2 * b - 1) + term + hoop(a) * tau(3) * hoop(b)
         end do
       end associate
     end do
@@ -483,6 +516,162 @@ contains
     end if
     points%energy(1) = points%energy(1) + energy / geometry%reference(1)
   end subroutine add_hourglass_control
+
+
+  !> CPS4I, CPE4I, CAX4I: the amplitudes of the incompatible modes are solved for, so that their forces are zero, and eliminated, as
+  !! those of C3D8I (`solid_elements`). The amplitude of the hoop strain is the first component of the third mode.
+  pure subroutine evaluate_incompatible_modes(kind, material, X, u, is_nlgeom, force, points, status, stiffness)
+    integer, intent(in) :: kind
+    type(material_type), intent(in) :: material
+    real(DP), intent(in) :: X(:, :), u(:, :)
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type), intent(inout) :: points
+    integer, intent(out) :: status
+    real(DP), intent(out), optional :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    type(plane_geometry_type) :: reference
+    real(DP) :: K(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES), whole(3, 4 + N_MODES), F(3, 3), inverse(3, 3), det
+    logical :: is_regular
+    force = 0
+    call set_reference(kind, element_kind(kind), X, points%section_value, reference, status)
+    if (status /= ELEMENT_OK) return
+    F = IDENTITY
+    if (is_nlgeom) F = mean_deformation(reference, u)
+    whole(:, :4) = u(:, :4)
+    whole(:, 5:) = transported(F, reshape(points%modes_old, [3, N_MODES]))
+    call solve_mode_amplitudes(material, reference, is_nlgeom, whole, force, points, status, K)
+    if (status /= ELEMENT_OK .and. any(abs(points%modes_old) > 0)) then
+      whole(:, 5:) = 0
+      call solve_mode_amplitudes(material, reference, is_nlgeom, whole, force, points, status, K)
+    end if
+    if (status /= ELEMENT_OK) return
+    call invert(F, inverse, det)
+    points%modes = 0
+    if (det > 0) points%modes(:3 * N_MODES) = reshape(transported(inverse, whole(:, 5:)), [3 * N_MODES])
+    if (present(stiffness)) then
+      stiffness = K
+      call condense_mode_amplitudes(4, .not. allocated(points%skew), force, stiffness, is_regular)
+    end if
+    force(:, 5:) = 0
+  end subroutine evaluate_incompatible_modes
+
+
+  !> Amplitudes that follow a deformation F: vectors in the plane by its part there, that of the hoop strain by the hoop stretch.
+  pure function transported(F, amplitudes) result(moved)
+    real(DP), intent(in) :: F(3, 3), amplitudes(3, N_MODES)    !< [length]
+    real(DP) :: moved(3, N_MODES)
+    moved = 0
+    moved(:2, :2) = matmul(F(:2, :2), amplitudes(:2, :2))
+    moved(1, 3) = F(3, 3) * amplitudes(1, 3)
+  end function transported
+
+
+  !> The mean deformation gradient of an element by its nodes.
+  pure function mean_deformation(reference, u) result(F)
+    type(plane_geometry_type), intent(in) :: reference    !< of the reference configuration
+    real(DP), intent(in) :: u(:, :)                !< (3, nodes) [length]
+    real(DP) :: F(3, 3)
+    integer :: p, a, j
+    F = 0
+    do p = 1, reference%m
+      do a = 1, reference%n
+        do j = 1, 2
+          F(:2, j) = F(:2, j) + reference%reference(p) * (u(:2, a) - u(:2, 1)) * reference%gradient(a, j, p)
+        end do
+        F(3, 3) = F(3, 3) + reference%reference(p) * u(1, a) * reference%hoop(a, p)
+      end do
+    end do
+    F = IDENTITY + F / sum(reference%reference(:reference%m))
+  end function mean_deformation
+
+
+  !> Newton's method for the amplitudes. A correction that inverts the element is halved.
+  pure subroutine solve_mode_amplitudes(material, reference, is_nlgeom, whole, force, points, status, stiffness)
+    type(material_type), intent(in) :: material
+    type(plane_geometry_type), intent(in) :: reference
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(inout) :: whole(3, 4 + N_MODES)    !< displacements, then amplitudes [length]
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type), intent(inout) :: points
+    integer, intent(out) :: status                 !< ELEMENT_...; ELEMENT_NOT_FINITE without convergence
+    real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< of nodes and modes, not condensed
+    type(mode_iteration_type) :: iteration
+    real(DP) :: mode_residual
+    integer :: step
+    logical :: is_exact, is_regular
+    mode_residual = huge(1.0_DP)
+    do step = 0, MAX_AMPLITUDE_CORRECTIONS
+      call evaluate_modes(material, reference, whole, is_nlgeom, force, points, status, stiffness, mode_residual)
+      if (status /= ELEMENT_OK) then
+        call halve_mode_correction(iteration, whole(:, 5:), is_regular)
+        if (.not. is_regular) return
+        cycle
+      end if
+      if (mode_residual <= TOL_MODE_FORCE) exit
+      call update_mode_amplitudes(iteration, 4, force, stiffness, whole, is_exact, is_regular)
+      if (is_exact) mode_residual = 0
+      if (is_exact .or. .not. is_regular) exit
+    end do
+    if (status == ELEMENT_OK .and. .not. mode_residual <= TOL_MODE_FORCE_ACCEPTABLE) status = ELEMENT_NOT_FINITE
+  end subroutine solve_mode_amplitudes
+
+
+  !> Forces and tangent of the four nodes and of the amplitudes, as if these were three more nodes. Components that no strain
+  !! belongs to have a stiffness of 1: they stay zero.
+  pure subroutine evaluate_modes(material, reference, u, is_nlgeom, force, points, status, stiffness, mode_residual)
+    type(material_type), intent(in) :: material
+    type(plane_geometry_type), intent(in) :: reference
+    real(DP), intent(in) :: u(3, 4 + N_MODES)      !< displacements, then amplitudes [length]
+    logical, intent(in) :: is_nlgeom
+    real(DP), intent(out) :: force(3, MAX_ELEMENT_NODES)
+    type(integration_points_type), intent(inout) :: points
+    integer, intent(out) :: status
+    real(DP), intent(out) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP), intent(out) :: mode_residual         !< of the modes, over the stresses times their gradients [-]
+    type(plane_geometry_type) :: geometry
+    real(DP) :: tau(4, MAX_PLANE_POINTS), c(4, 4, MAX_PLANE_POINTS), B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS), &
+      f(2 * MAX_PLANE_NODES), scale
+    integer :: p, i
+    geometry = reference
+    force = 0
+    points%is_tangent_wanted = .true.
+    call update_kinematics(geometry%entry, u, is_nlgeom, geometry, B, status)
+    if (status == ELEMENT_OK) call evaluate_stresses(geometry%entry, material, is_nlgeom, geometry, tau, c, points, status)
+    if (status /= ELEMENT_OK) return
+    call integrate_forces(.false., geometry, B, tau, f)
+    force(:2, :geometry%n_all) = reshape(f(:2 * geometry%n_all), [2, geometry%n_all])
+    scale = tiny(1.0_DP)
+    do p = 1, geometry%m
+      scale = scale + geometry%reference(p) * norm2(tau(:, p)) * norm2(B(:, 9:14, p))
+    end do
+    mode_residual = norm2(force(:2, 5:7)) / scale
+    if (.not. is_nlgeom) tau = 0
+    stiffness(:3 * geometry%n_all, :3 * geometry%n_all) = 0
+    call integrate_stiffness(.false., geometry, B, tau, c, stiffness)
+    if (allocated(points%skew)) call add_skew_part(geometry, B, points%skew, stiffness)
+    do i = 3 * geometry%n + 1, 3 * geometry%n_all
+      if (.not. abs(stiffness(i, i)) > 0) stiffness(i, i) = 1
+    end do
+  end subroutine evaluate_modes
+
+
+  !> Adds the contribution of an unsymmetric law: the sum of V B' w B over the points.
+  pure subroutine add_skew_part(geometry, B, w, stiffness)
+    type(plane_geometry_type), intent(in) :: geometry
+    real(DP), intent(in) :: B(4, 2 * MAX_PLANE_NODES, MAX_PLANE_POINTS)
+    real(DP), intent(in) :: w(:, :, :)             !< (6, 6, >= points) (c - c')/2, engineering shears [stress]
+    real(DP), intent(inout) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)   !< [force/length]
+    real(DP) :: K(2 * MAX_PLANE_NODES, 2 * MAX_PLANE_NODES)
+    integer :: p, i, n, rows(2 * MAX_PLANE_NODES)
+    n = 2 * geometry%n_all
+    rows = [([3 * i - 2, 3 * i - 1], i=1, MAX_PLANE_NODES)]
+    K = 0
+    do p = 1, geometry%m
+      K(:n, :n) = K(:n, :n) + geometry%reference(p) * matmul(transpose(B(:, :n, p)), matmul(w(PLANE_COMPONENTS, &
+        PLANE_COMPONENTS, p), B(:, :n, p)))
+    end do
+    stiffness(rows(:n), rows(:n)) = stiffness(rows(:n), rows(:n)) + K(:n, :n)
+  end subroutine add_skew_part
 
 
   !> The reference volumes of the points of an element.

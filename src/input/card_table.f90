@@ -96,9 +96,9 @@ contains
     call table%card('ELEMENT', SCOPE_MODEL, 'Defines elements; the nodes of an element may continue in further lines.', &
       data='number, node, node, ...')
     call table%option('TYPE', VALUE_TEXT, 'Kind of element: C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; ' // &
-      'CPS, CPE, CAX with 3, 4, 4R, 6, 8, 8R; S3, S4, S4R, S6, S8, S8R, SAX1, SAX2; M3D3, M3D4, M3D4R, M3D6, M3D8, M3D8R; ' // &
-      'B21, B22, B31, B31R, B32, B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, R2D2, RAX2; SPRINGA, SPRING1, SPRING2; GAPUNI; ' // &
-      'MASS; COH2D4, COHAX4, COH3D6, COH3D8; U1 to U9999 of *USER ELEMENT.', default='required')
+      'CPS, CPE, CAX with 3, 4, 4I, 4R, 6, 8, 8R; S3, S4, S4R, S6, S8, S8R, SAX1, SAX2; M3D3, M3D4, M3D4R, M3D6, M3D8, ' // &
+      'M3D8R; B21, B22, B31, B31R, B32, B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, R2D2, RAX2; SPRINGA, SPRING1, SPRING2; ' // &
+      'GAPUNI; MASS; COH2D4, COHAX4, COH3D6, COH3D8; U1 to U9999 of *USER ELEMENT.', default='required')
     call table%option('ELSET', VALUE_NAME, 'Puts the elements into this element set as well.')
     call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
     call table%add_dialect_note('abaqus: C3D8, CPE4 and CAX4 have a mean dilatation; calculix: they are integrated in full, ' // &

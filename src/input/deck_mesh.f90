@@ -756,9 +756,9 @@ contains
     if (user_kind_number(type) > 0 .and. allocated(reader%bad_user_kinds)) then
       if (any(reader%bad_user_kinds == user_kind_number(type) .or. reader%bad_user_kinds == 0)) return
     end if
-    advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, 4R, ' // &
-      '6, 8, 8R; S3, S4, S4R, S6, S8, S8R, SAX1, SAX2; M3D3 to M3D8R; B21 to B32R; T2D2, T2D3, T3D2, T3D3; R3D3, R3D4, ' // &
-      'R2D2, RAX2; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
+    advice = 'The kinds are C3D4, C3D6, C3D8, C3D8I, C3D8R, C3D10, C3D15, C3D20, C3D20R; CPS, CPE, CAX with 3, 4, ' // &
+      '4I, 4R, 6, 8, 8R; S3, S4, S4R, S6, S8, S8R, SAX1, SAX2; M3D3 to M3D8R; B21 to B32R; T2D2, T2D3, T3D2, T3D3; R3D3, ' // &
+      'R3D4, R2D2, RAX2; SPRINGA, SPRING1, SPRING2; GAPUNI; MASS.'
     if (begins_with(type, 'C3D8')) advice = 'Use C3D8, which has a mean dilatation against locking, or C3D8I.'
     if (begins_with(type, 'C3D20')) advice = 'Use C3D20 or C3D20R.'
     if (begins_with(type, 'C3D10')) advice = 'Use C3D10.'
@@ -766,8 +766,8 @@ contains
     if (begins_with(type, 'C3D6')) advice = 'Use C3D6.'
     if (begins_with(type, 'C3D15')) advice = 'Use C3D15.'
     if (begins_with(type, 'CPS') .or. begins_with(type, 'CPE') .or. begins_with(type, &
-      'CAX')) advice = 'Plane kinds have 3, 4, 4R, 6, ' &
-      // '8 or 8R nodes: CPE4, CPE8R and so on.'
+      'CAX')) advice = 'Plane kinds have 3, 4, 4I, ' &
+      // '4R, 6, 8 or 8R nodes: CPE4, CPE8R and so on.'
     if (is_structural(type)) advice = 'The shells are S3, S4, S4R, S6, S8, S8R, the membranes M3D3, M3D4, M3D4R, M3D6, ' // &
       'M3D8, M3D8R, the beams B21, B22, B31, B31R, B32, B32R.'
     if (begins_with(type, 'SAX')) advice = 'The axisymmetric shells are SAX1 and SAX2, in the abaqus dialect (CalculiX has none).'

@@ -105,7 +105,7 @@ contains
         associate (step => model%steps(reader%step_of_card(c)))
           if (step%has_creep .or. step%is_long_term) call report_error(reader, reader%cards%cards(c)%line, '*VISCOELASTIC ' // &
             'materials relax in this step, and the hourglass stiffness of C3D8R, CPS4R, CPE4R and CAX4R does not: bending ' // &
-            'would be too stiff. Give them C3D8I, C3D20R, CPS4, CPE4, CAX4 or CPS8R, CPE8R, CAX8R.')
+            'would be too stiff. Give them C3D8I, C3D20R, CPS4I, CPE4I, CAX4I or CPS8R, CPE8R, CAX8R.')
         end associate
       end if
       if (is_card(reader, c, 'DYNAMIC')) call report_error(reader, reader%cards%cards(c)%line, 'A *DYNAMIC step cannot have ' // &

@@ -13,6 +13,7 @@ module amontons_element_kinds
   public :: KIND_CPS3, KIND_CPS4, KIND_CPS4R, KIND_CPS6, KIND_CPS8, KIND_CPS8R
   public :: KIND_CPE3, KIND_CPE4, KIND_CPE4_FULL, KIND_CPE4R, KIND_CPE6, KIND_CPE8, KIND_CPE8R
   public :: KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CAX6, KIND_CAX8, KIND_CAX8R, KIND_CAX_SHELL
+  public :: KIND_CPS4I, KIND_CPE4I, KIND_CAX4I
   public :: KIND_T3D2, KIND_T3D3, KIND_SPRINGA, KIND_SPRING1, KIND_SPRING2, KIND_GAPUNI, KIND_MASS, KIND_R2D2, KIND_RAX2, KIND_USER
   public :: KIND_S3, KIND_S4, KIND_S4R, KIND_S6, KIND_S8, KIND_S8R, KIND_M3D3, KIND_M3D6, KIND_M3D8R, &
     KIND_B31, KIND_B31R, KIND_B32, KIND_B32R, KIND_SAX1, KIND_SAX2
@@ -20,7 +21,7 @@ module amontons_element_kinds
   public :: N_KINDS, N_SOLID_KINDS
   public :: FAMILY_SOLID, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FAMILY_TRUSS, FAMILY_SPRING, &
     FAMILY_MASS, FAMILY_SHELL, FAMILY_MEMBRANE, FAMILY_BEAM, FAMILY_RIGID, FAMILY_USER, FAMILY_COHESIVE, is_structural_family, &
-    has_faces_in_space, is_membrane, is_two_sided, is_one_point, is_cohesive, opposite_node
+    has_faces_in_space, is_membrane, is_two_sided, is_one_point, has_modes, is_cohesive, opposite_node
   public :: FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8, FACET_LINE2, FACET_LINE3
   public :: MAX_ELEMENT_NODES, MAX_ELEMENT_POINTS, MAX_ELEMENT_AMPLITUDES, MAX_FACE_NODES, N_CIRCLE_SECTORS
 
@@ -63,39 +64,42 @@ module amontons_element_kinds
   integer, parameter :: KIND_CAX6 = 36
   integer, parameter :: KIND_CAX8 = 37
   integer, parameter :: KIND_CAX8R = 38
-  integer, parameter :: KIND_CAX_SHELL = 39   !< of a shell: two places along it, five heights
-  integer, parameter :: KIND_M3D3 = 40        !< membranes in space: triangle, 1 point
-  integer, parameter :: KIND_M3D6 = 43        !< 41: M3D4, 42: M3D4R, both with 4 points; 43: quadratic triangle, 3 points
-  integer, parameter :: KIND_M3D8R = 45       !< 44: M3D8, 9 points; 45: the same, 4 points
-  integer, parameter :: KIND_T3D2 = 46        !< straight truss, 1 point
-  integer, parameter :: KIND_T3D3 = 47        !< curved truss, 2 points; here the nodes are the ends, then the middle
-  integer, parameter :: KIND_SPRINGA = 48     !< spring along the line between two nodes
-  integer, parameter :: KIND_SPRING1 = 49     !< spring between a node and the ground, in one direction
-  integer, parameter :: KIND_SPRING2 = 50     !< spring between two nodes, in one direction of each
-  integer, parameter :: KIND_GAPUNI = 51      !< gap between two nodes, in one direction
-  integer, parameter :: KIND_MASS = 52        !< point mass
-  integer, parameter :: KIND_R2D2 = 53        !< rigid edge in the plane: a face on both sides, no stiffness
-  integer, parameter :: KIND_RAX2 = 54        !< the same of a body of revolution
-  integer, parameter :: KIND_USER = 55        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
-  integer, parameter :: KIND_COH2D4 = 56      !< cohesive elements: two edges in the plane that face each other
-  integer, parameter :: KIND_COHAX4 = 57      !< the same of a body of revolution
-  integer, parameter :: KIND_COH3D6 = 58      !< two triangles in space
-  integer, parameter :: KIND_COH3D8 = 59      !< two quadrilaterals
-  integer, parameter :: N_KINDS = 59
+  integer, parameter :: KIND_CPS4I = 39       !< quadrilaterals, 4 points, incompatible modes: plane stress, four
+  integer, parameter :: KIND_CPE4I = 40       !< ... plane strain, four
+  integer, parameter :: KIND_CAX4I = 41       !< ... axisymmetric, four and one of the hoop strain
+  integer, parameter :: KIND_CAX_SHELL = 42   !< of a shell: two places along it, five heights
+  integer, parameter :: KIND_M3D3 = 43        !< membranes in space: triangle, 1 point
+  integer, parameter :: KIND_M3D6 = 46        !< 44: M3D4, 45: M3D4R, both with 4 points; 46: quadratic triangle, 3 points
+  integer, parameter :: KIND_M3D8R = 48       !< 47: M3D8, 9 points; 48: the same, 4 points
+  integer, parameter :: KIND_T3D2 = 49        !< straight truss, 1 point
+  integer, parameter :: KIND_T3D3 = 50        !< curved truss, 2 points; here the nodes are the ends, then the middle
+  integer, parameter :: KIND_SPRINGA = 51     !< spring along the line between two nodes
+  integer, parameter :: KIND_SPRING1 = 52     !< spring between a node and the ground, in one direction
+  integer, parameter :: KIND_SPRING2 = 53     !< spring between two nodes, in one direction of each
+  integer, parameter :: KIND_GAPUNI = 54      !< gap between two nodes, in one direction
+  integer, parameter :: KIND_MASS = 55        !< point mass
+  integer, parameter :: KIND_R2D2 = 56        !< rigid edge in the plane: a face on both sides, no stiffness
+  integer, parameter :: KIND_RAX2 = 57        !< the same of a body of revolution
+  integer, parameter :: KIND_USER = 58        !< of *USER ELEMENT: its nodes are those of the deck, its stiffness is UEL's
+  integer, parameter :: KIND_COH2D4 = 59      !< cohesive elements: two edges in the plane that face each other
+  integer, parameter :: KIND_COHAX4 = 60      !< the same of a body of revolution
+  integer, parameter :: KIND_COH3D6 = 61      !< two triangles in space
+  integer, parameter :: KIND_COH3D8 = 62      !< two quadrilaterals
+  integer, parameter :: N_KINDS = 62
   ! Kinds of a deck only: the reader expands them into solids (folder expansion).
-  integer, parameter :: KIND_S3 = 60          !< shells
-  integer, parameter :: KIND_S4 = 61
-  integer, parameter :: KIND_S4R = 62
-  integer, parameter :: KIND_S6 = 63
-  integer, parameter :: KIND_S8 = 64
-  integer, parameter :: KIND_S8R = 65
-  integer, parameter :: KIND_B31 = 66         !< beams
-  integer, parameter :: KIND_B31R = 67
-  integer, parameter :: KIND_B32 = 68         !< end, middle, end
-  integer, parameter :: KIND_B32R = 69
-  integer, parameter :: KIND_SAX1 = 70        !< axisymmetric shells
-  integer, parameter :: KIND_SAX2 = 71        !< end, middle, end
-  integer, parameter :: N_DECK_KINDS = 71
+  integer, parameter :: KIND_S3 = 63          !< shells
+  integer, parameter :: KIND_S4 = 64
+  integer, parameter :: KIND_S4R = 65
+  integer, parameter :: KIND_S6 = 66
+  integer, parameter :: KIND_S8 = 67
+  integer, parameter :: KIND_S8R = 68
+  integer, parameter :: KIND_B31 = 69         !< beams
+  integer, parameter :: KIND_B31R = 70
+  integer, parameter :: KIND_B32 = 71         !< end, middle, end
+  integer, parameter :: KIND_B32R = 72
+  integer, parameter :: KIND_SAX1 = 73        !< axisymmetric shells
+  integer, parameter :: KIND_SAX2 = 74        !< end, middle, end
+  integer, parameter :: N_DECK_KINDS = 74
   integer, parameter :: N_CIRCLE_SECTORS = 180   !< of two degrees in the circle of CalculiX's axisymmetric elements
 
   ! Families: in which displacements an element has stiffness.
@@ -107,6 +111,8 @@ module amontons_element_kinds
   integer, parameter :: FACET_TRI3 = 1, FACET_QUAD4 = 2, FACET_TRI6 = 3, FACET_QUAD8 = 4, FACET_LINE2 = 5, &
     FACET_LINE3 = 6
 
+  integer, parameter :: MODES_SHAPE = 7               !< of plane_kind: incompatible modes
+  character(3), parameter :: PLANE_PREFIX(KIND_CPS4I:KIND_CAX4I) = ['CPS', 'CPE', 'CAX']
   integer, parameter :: MAX_ELEMENT_NODES = 20        !< most nodes of an element
   integer, parameter :: MAX_ELEMENT_POINTS = 50       !< most integration points of an element
   integer, parameter :: MAX_ELEMENT_AMPLITUDES = 27   !< most numbers that an element keeps beside the history of its points
@@ -138,6 +144,13 @@ contains
     integer, intent(in) :: kind
     is_one_point = kind == KIND_C3D8R .or. kind == KIND_CPS4R .or. kind == KIND_CPE4R .or. kind == KIND_CAX4R
   end function is_one_point
+
+
+  !> The kinds of incompatible modes, whose amplitudes an element eliminates.
+  elemental logical function has_modes(kind)
+    integer, intent(in) :: kind               !< KIND_...
+    has_modes = kind == KIND_C3D8I .or. (kind >= KIND_CPS4I .and. kind <= KIND_CAX4I)
+  end function has_modes
 
 
   !> The family of an element kind. Solids are found without the table: the reader needs it of each element several times.
@@ -197,6 +210,8 @@ contains
       entry = plane_kind('CPE', FAMILY_PLANE_STRAIN, kind - KIND_CPE3)
     case (KIND_CAX3:KIND_CAX8R)
       entry = plane_kind('CAX', FAMILY_AXISYMMETRIC, kind - KIND_CAX3)
+    case (KIND_CPS4I:KIND_CAX4I)
+      entry = plane_kind(PLANE_PREFIX(kind), kind - KIND_CPS4I + FAMILY_PLANE_STRESS, MODES_SHAPE)
     case (KIND_CAX_SHELL)                     ! no deck can name it
       entry = plane_kind('CAX', FAMILY_AXISYMMETRIC, KIND_CAX8 - KIND_CAX3)
       entry%name = 'axiShell'
@@ -296,11 +311,11 @@ contains
   pure function plane_kind(prefix, family, shape) result(entry)
     character(3), intent(in) :: prefix
     integer, intent(in) :: family             !< FAMILY_...
-    integer, intent(in) :: shape              !< 0 to 6: triangle, quadrilateral (mean, full, 1 point), then quadratic
+    integer, intent(in) :: shape              !< 0 to 7: triangle, quadrilateral (mean, full, 1 point), then quadratic; modes
     type(element_kind_type) :: entry
-    character(2), parameter :: NAMES(0:6) = ['3 ', '4 ', '4 ', '4R', '6 ', '8 ', '8R']
-    integer, parameter :: NODES(0:6) = [3, 4, 4, 4, 6, 8, 8], POINTS(0:6) = [1, 4, 4, 1, 3, 9, 4], &
-      VTK(0:6) = [5, 9, 9, 9, 22, 23, 23]
+    character(2), parameter :: NAMES(0:7) = ['3 ', '4 ', '4 ', '4R', '6 ', '8 ', '8R', '4I']
+    integer, parameter :: NODES(0:7) = [3, 4, 4, 4, 6, 8, 8, 4], POINTS(0:7) = [1, 4, 4, 1, 3, 9, 4, 4], &
+      VTK(0:7) = [5, 9, 9, 9, 22, 23, 23, 9]
     integer :: n, i
     entry = element_kind_type(name=prefix // NAMES(shape), family=family, n_nodes=NODES(shape), n_points=POINTS(shape), &
       vtk_type=VTK(shape))

@@ -24,7 +24,7 @@ module amontons_failure_report
     FAMILY_LIMIT_POINT, FAMILY_MATERIAL, FAMILY_SLOW
   use amontons_failure_messages, only: failure_name, remedy_words, node_list, is_same_failure
   use amontons_iteration_records, only: increment_record_type, REPORT_LINE_LENGTH
-  use amontons_element_kinds, only: KIND_C3D8I, MAX_ELEMENT_AMPLITUDES
+  use amontons_element_kinds, only: has_modes, MAX_ELEMENT_AMPLITUDES
   use amontons_model, only: model_type
   use amontons_slave_node_overrides, only: NODE_OVERRIDE_EXTENDED
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
@@ -291,10 +291,10 @@ contains
       lines = [lines, line]
       line = '  iterations (*CONTROLS, PARAMETERS=FIELD: 5e-3, 1e-2; PARAMETERS=TIME INCREMENTATION: 40, 40, , 60), not C3D8I.'
     else if (any(model%materials%cutoff_sign /= 0) .and. family_of(failure) == FAMILY_MATERIAL .and. &
-      any(model%mesh%kind == KIND_C3D8I)) then
-      line = 'Remedy: the incompatible modes of C3D8I often have no solution with *NO TENSION and *NO COMPRESSION. Take C3D8, C3D8R'
+      any(has_modes(model%mesh%kind))) then
+      line = 'Remedy: the incompatible modes of C3D8I, CPS4I, CPE4I and CAX4I often have no solution with *NO TENSION and'
       lines = [lines, line]
-      line = '  or C3D20R; B32 in place of B31.'
+      line = '  *NO COMPRESSION. Take C3D8, C3D8R or C3D20R, in the plane CPS4, CPE4, CAX4; B32 in place of B31.'
     end if
     lines = [lines, line]
   end function describe_failure
@@ -468,7 +468,7 @@ contains
     if (missed > MAX_HOURGLASS_FLOW * taken) lines = [character(REPORT_LINE_LENGTH) :: lines, '*WARNING: one-point elements ' // &
       'had hourglass stresses that the material does not hold; their work is ' // to_text(nint(100 * missed / taken)) // &
       ' % of that of this increment.', &
-      'Take smaller increments, more elements across the bending, or C3D8I, CPS8R, CPE8R, CAX8R.']
+      'Take smaller increments, more elements across the bending, or C3D8I, CPS4I, CPE4I, CAX4I.']
   end function describe_events
 
 

@@ -16,7 +16,7 @@ module amontons_state
   use amontons_structural_data, only: interpolate_added_nodes
   use amontons_user_elements, only: n_user_memory
   use amontons_tensor, only: IDENTITY, cross_product, pack_voigt, unpack_voigt
-  use amontons_element_kinds, only: KIND_C3D8I, KIND_CSS8, KIND_CSS6, KIND_CAX_SHELL, is_membrane, is_one_point, &
+  use amontons_element_kinds, only: KIND_CSS8, KIND_CSS6, KIND_CAX_SHELL, is_membrane, is_one_point, has_modes, &
     MAX_ELEMENT_NODES, MAX_ELEMENT_AMPLITUDES, &
     MAX_ELEMENT_POINTS, MAX_FACE_NODES, FACET_TRI3, FACET_QUAD4, FACET_TRI6, FACET_QUAD8
   implicit none
@@ -160,7 +160,7 @@ contains
       end do
       allocate (new%user_memory(n_memory + n_user_memory(model%user_elements)), source=0.0_DP)
       allocate (new%history(n_history, model%mesh%n_points), source=0.0_DP)
-      if (n_history > 0 .and. any(model%mesh%kind == KIND_C3D8I .or. model%mesh%kind == KIND_CSS8 .or. &
+      if (n_history > 0 .and. any(has_modes(model%mesh%kind) .or. model%mesh%kind == KIND_CSS8 .or. &
         model%mesh%kind == KIND_CSS6 .or. is_one_point(model%mesh%kind))) then
         deallocate (new%modes)
         allocate (new%modes(MAX_ELEMENT_AMPLITUDES, model%mesh%n_elements), source=0.0_DP)

@@ -22,6 +22,7 @@ import pytest
 from verify.benchmark.estimate_table import cube
 from verify.benchmark.ranks_table import estimated_ranks, whole_job
 from verify.benchmark.wide_contact import Model, deck_of
+from verify.cases.elastic.test_plane_and_discrete_elements import material, sheet, supports
 from verify.distributed.ranks_and_serial import (
     DIALECT, TOLERANCE, Outcome, all_decks, difference, environment, execute, program, ranks_of, run, with_solver,
 )  # fmt: skip
@@ -64,6 +65,20 @@ def test_generated_decks(tmp_path: Path, name: str) -> None:
     assert serial.code == 0, serial.text
     for n in (1, 2, 4):
         what, worst = difference(serial, run(tmp_path / f"ranks{n}", deck, n, DIALECT))
+        assert what == "" and worst <= (TOLERANCE if n > 1 else 0.0), f"{n} ranks: {what} {worst}"
+
+
+@pytest.mark.parametrize("kind", ["CPS4I", "CPE4I", "CAX4I"])
+def test_modes_that_have_flowed(tmp_path: Path, kind: str) -> None:
+    """A bar bent beyond yield and released, NLGEOM: each rank keeps the amplitudes of its elements."""
+    body = sheet(kind[:3], "4I", (8, 2), lambda u, v: (5 + 10 * u, v))
+    deck = body.cards() + material(1000.0, 0.3).replace("*SOLID", "*PLASTIC\n2., 0.\n252., 1.\n*SOLID") + supports(body.where(0, 0.0), 1, 2)
+    tip = "*BOUNDARY\n" + "".join(f"{n + 1}, 2, 2, {{}}\n" for n in body.where(0, 1.0))
+    deck += "".join("*STEP, NLGEOM\n*STATIC, DIRECT\n0.25, 1.\n" + tip.replace("{}", u) + "*END STEP\n" for u in ("1.", "0.3"))
+    serial = run(tmp_path / "serial", deck, 0)
+    assert serial.code == 0, serial.text
+    for n in (1, 2, 4):
+        what, worst = difference(serial, run(tmp_path / f"ranks{n}", deck, n))
         assert what == "" and worst <= (TOLERANCE if n > 1 else 0.0), f"{n} ranks: {what} {worst}"
 
 

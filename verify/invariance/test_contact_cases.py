@@ -157,7 +157,7 @@ CASES: dict[str, Callable[[], str]] = {
 }
 #: Without contact, the examples of the manual, and a larger deck of input/: in other units only. Its shear block and ironing are "three cubes" and
 #: "ironing in the plane" on more elements.
-EXAMPLES = ("assembly", "bar", "bolt", "constraints", "changes", "grid", "inelastic", "layers", "parts", "rate_dependent", "rubber", "sector", "springs")
+EXAMPLES = ("assembly", "bar", "bolt", "constraints", "changes", "grid", "inelastic", "layers", "parts", "plane_bending", "rate_dependent", "rubber", "sector", "springs")
 OTHERS: dict[str, Callable[[], str]] = {
     **{f"example {name}": partial(deck_of_file, f"doc/manual/examples/{name}.inp") for name in EXAMPLES},
     "Hertz octant": lambda: deck_of_file("input/hertz_octant.inp"),

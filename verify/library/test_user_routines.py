@@ -100,13 +100,13 @@ def test_plasticity_by_umat_is_plastic(run: Run, tmp_path: Path, kind: str) -> N
         assert np.abs(peeq - b["AMONTONS/integration_points/SDV"][:].ravel()).max() <= 1e-10 * peeq.max()
 
 
-@pytest.mark.parametrize("kind", ["CPE4", "CAX4", "CPS4"])
+@pytest.mark.parametrize("kind", ["CPE4", "CAX4", "CPS4", "CPE4I", "CAX4I", "CPS4I"])
 def test_umat_in_the_plane(run: Run, tmp_path: Path, kind: str) -> None:
     """The same in plane strain and around an axis (NTENS = 4); in plane stress with SPATIAL, where the law is called as in space
     and the strain across is ours to find."""
-    theirs = sheet_deck(kind, J2.replace("CONSTANTS", "SPATIAL, CONSTANTS") if kind == "CPS4" else J2)
+    theirs = sheet_deck(kind, J2.replace("CONSTANTS", "SPATIAL, CONSTANTS") if kind.startswith("CPS") else J2)
     ours, theirs = run_two(run, tmp_path, sheet_deck(kind, PLASTIC), theirs, ROUTINES / "j2.f")
-    assert_equal(ours, theirs, 1e-9 if kind == "CPS4" else 1e-10)
+    assert_equal(ours, theirs, 1e-9 if kind.startswith("CPS") else 1e-10)
 
 
 def test_umat_in_shells(run: Run, tmp_path: Path) -> None:
@@ -151,8 +151,8 @@ def test_components_of_each_element(run: Run, tmp_path: Path, kind: str) -> None
 
 def plane_deck(kind: str, material: str) -> str:
     """A quarter of a square in the plane, as sheet_deck, of any kind."""
-    deck = sheet_deck("CPS4" if kind.endswith(("4", "4R")) else kind, material)
-    if kind.endswith(("4", "4R")):
+    deck = sheet_deck("CPS4" if kind.endswith(("4", "4R", "4I")) else kind, material)
+    if kind.endswith(("4", "4R", "4I")):
         return deck.replace("TYPE=CPS4", f"TYPE={kind}")
     corners = {1: (1.0, 0.0), 2: (1.5, 0.0), 3: (2.0, 0.0), 4: (1.0, 0.5), 5: (1.5, 0.55), 6: (2.0, 0.6), 7: (1.0, 1.0), 8: (1.5, 1.1),
                9: (2.0, 1.2)}  # fmt: skip
@@ -181,8 +181,8 @@ def plane_deck(kind: str, material: str) -> str:
 
 LINEAR_LAW = "*USER MATERIAL, CONSTANTS=4{}\n-1., 1000., 0.3, 0.2\n"
 FRICTIONAL = "*USER MATERIAL, CONSTANTS=4{}\n0.9, 1000., 0.3, 1.\n"
-UNSYMMETRIC = ["C3D4", "C3D6", "C3D8", "C3D8I", "C3D8R", "C3D10", "C3D15", "C3D20R", "CPE3", "CPE4", "CPE4R", "CAX4", "CAX4R", "CPS4", "CPE8",
-               "CAX8R"]  # fmt: skip
+UNSYMMETRIC = ["C3D4", "C3D6", "C3D8", "C3D8I", "C3D8R", "C3D10", "C3D15", "C3D20R", "CPE3", "CPE4", "CPE4R", "CAX4", "CAX4R", "CPS4", "CPS4I",
+               "CPE4I", "CAX4I", "CPE8", "CAX8R"]  # fmt: skip
 
 
 def unsymmetric_deck(kind: str, law: str) -> str:

@@ -186,7 +186,7 @@ def plate(kind: str, n: int, low: float, first: tuple[int, int]) -> tuple[Floats
     return nodes, cards, np.flatnonzero(nodes[:, 1] < low + 1e-9), np.flatnonzero(nodes[:, 1] > low + 1 - 1e-9)
 
 
-@pytest.mark.parametrize("kinds", [("CPE4", "CPE4"), ("CPE8", "CPE8"), ("CPS4", "CPS8R"), ("CAX4", "CAX4"), ("CAX8", "CAX8R")])
+@pytest.mark.parametrize("kinds", [("CPE4", "CPE4"), ("CPE8", "CPE8"), ("CPS4", "CPS8R"), ("CPE4I", "CPE4I"), ("CAX4I", "CAX4"), ("CAX4", "CAX4"), ("CAX8", "CAX8R")])
 def test_plane_patch(proof: Proof, kinds: tuple[str, str]) -> None:
     """The patch test in the plane and in bodies of revolution."""
     case = proof(

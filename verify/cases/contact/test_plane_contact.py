@@ -34,7 +34,8 @@ def stack(kind: str, upper: int, lower: int, inner: float) -> tuple[list[tuple[P
     return [(above, (1000.0, 0.3)), (below, (1000.0, 0.3))], cards
 
 
-@pytest.mark.parametrize(("kind", "inner"), [("CPE4", 0.0), ("CPS4", 0.0), ("CAX4", 0.0), ("CAX4", 1.0), ("CPS4R", 0.0)])
+@pytest.mark.parametrize(("kind", "inner"), [("CPE4", 0.0), ("CPS4", 0.0), ("CAX4", 0.0), ("CAX4", 1.0), ("CPS4R", 0.0), ("CPS4I", 0.0), ("CPE4I", 0.0),
+                                              ("CAX4I", 0.0), ("CAX4I", 1.0)])
 def test_patch(proof: Proof, kind: str, inner: float) -> None:
     """The same nodes on both sides: exact, in the plane and for the full circle."""
     thickness = 2.5

@@ -24,7 +24,7 @@ from verify.independent.results import read_field
 Floats = NDArray[np.float64]
 Map = Callable[[Floats, Floats], tuple[Floats, Floats]]
 
-SHAPES = ["3", "4", "4R", "6", "8", "8R"]
+SHAPES = ["3", "4", "4I", "4R", "6", "8", "8R"]
 TIGHT = "*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-10, , , 1e-10\n"
 
 
@@ -158,7 +158,7 @@ def test_patch(run_deck: Run, tmp_path: Path, prefix: str, shape: str, is_nlgeom
         assert np.abs(found["S"][:, 2]).max() <= 1e-12 * np.abs(found["S"]).max()
 
 
-@pytest.mark.parametrize(("shape", "tolerance"), [("3", 0.08), ("4", 0.02), ("4R", 0.02), ("6", 0.003), ("8", 0.003),
+@pytest.mark.parametrize(("shape", "tolerance"), [("3", 0.08), ("4", 0.02), ("4I", 0.02), ("4R", 0.02), ("6", 0.003), ("8", 0.003),
                                                   ("8R", 0.003)])
 @pytest.mark.parametrize("prefix", ["CPE", "CAX"])
 def test_thick_cylinder(run_deck: Run, tmp_path: Path, prefix: str, shape: str, tolerance: float) -> None:
@@ -183,7 +183,7 @@ def test_thick_cylinder(run_deck: Run, tmp_path: Path, prefix: str, shape: str, 
     near(found["S"][node, hoop], stress, 8 * tolerance, "hoop stress of the bore")
 
 
-@pytest.mark.parametrize("shape", ["4", "8R"])
+@pytest.mark.parametrize("shape", ["4", "4I", "8R"])
 def test_full_circle(run_deck: Run, tmp_path: Path, shape: str) -> None:
     """Reactions of axisymmetric bodies are those of the full circle: a pressed disk gives pressure times area."""
     body = sheet("CAX", shape, (4, 2), lambda u, v: (2 * u, v))
@@ -195,7 +195,7 @@ def test_full_circle(run_deck: Run, tmp_path: Path, shape: str) -> None:
          "reaction")
 
 
-@pytest.mark.parametrize(("shape", "tolerance"), [("3", 0.12), ("4", 0.03), ("4R", 0.02), ("6", 0.005), ("8", 0.005),
+@pytest.mark.parametrize(("shape", "tolerance"), [("3", 0.12), ("4", 0.03), ("4I", 0.005), ("4R", 0.02), ("6", 0.005), ("8", 0.005),
                                                   ("8R", 0.005)])
 def test_cook(run_deck: Run, tmp_path: Path, shape: str, tolerance: float) -> None:
     """Cook's membrane in plane stress, E = 1, nu = 1/3, F = 1: the middle of the free end rises 23.96
@@ -216,7 +216,7 @@ def test_cook(run_deck: Run, tmp_path: Path, shape: str, tolerance: float) -> No
     near(found["U"][tip, 1], 23.96, tolerance, "rise of the middle")
 
 
-@pytest.mark.parametrize(("shape", "tolerance"), [("3", 0.2), ("4", 0.06), ("4R", 0.2), ("6", 0.03), ("8", 0.02), ("8R", 0.02)])
+@pytest.mark.parametrize(("shape", "tolerance"), [("3", 0.2), ("4", 0.06), ("4I", 0.03), ("4R", 0.2), ("6", 0.03), ("8", 0.02), ("8R", 0.02)])
 def test_nafems_le1(run_deck: Run, tmp_path: Path, shape: str, tolerance: float) -> None:
     """NAFEMS LE1: an elliptic membrane pulled outside by 10 MPa; stress yy at the inner end of the long axis 92.7 MPa."""
     def place(u: Floats, v: Floats) -> tuple[Floats, Floats]:

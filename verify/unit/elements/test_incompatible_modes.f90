@@ -1,8 +1,8 @@
 !> Unit test of amontons_incompatible_modes: gradients, correction of the amplitudes, condensation against block elimination.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_incompatible_modes
-  use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, &
-    condense_mode_amplitudes, add_mode_skew_part, N_MODES
+  use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, evaluate_plane_mode_gradients, &
+    update_mode_amplitudes, condense_mode_amplitudes, add_mode_skew_part, N_MODES
   use amontons_kinds, only: DP
   use amontons_element_kinds, only: MAX_ELEMENT_NODES
   use check, only: suite_type
@@ -13,6 +13,7 @@ program test_incompatible_modes
   call random_seed(size=n_seed)
   call random_seed(put=[(86028157 + 31 * i, i=1, n_seed)])
   call check_gradients()
+  call check_plane_gradients()
   call check_correction()
   call check_secant()
   call check_condensation(.true.)
@@ -55,6 +56,49 @@ contains
     end do
     call suite%that('and they are not zero', norm2(gradients) > 1)
   end subroutine check_gradients
+
+
+  !> In the plane the gradients add up to nothing. Around an axis stresses with equal radial and hoop parts do no work; on a
+  !! rectangle the radial mode is -(1 - xi^2)/2 with its hoop strain.
+  subroutine check_plane_gradients()
+    real(DP), parameter :: SIGNS(2, 4) = reshape([real(DP) :: -1, -1, 1, -1, -1, 1, 1, 1], [2, 4])
+    real(DP), parameter :: CORNERS(2, 4) = reshape([real(DP) :: -1, -1, 1, -1, 1, 1, -1, 1], [2, 4])
+    real(DP) :: X(2, 4), r(2, 4), xi(2, 4), gradients(2, 2, 4), radial(2, 4), hoop(3, 4), N(4), dN(2, 4), J(2, 2), det(4), &
+      radius(4), work
+    integer :: m, p, round
+    logical :: is_axisymmetric
+    xi = SIGNS / sqrt(3.0_DP)
+    do round = 1, 2
+      is_axisymmetric = round == 2
+      call random_number(r)
+      X = matmul(reshape([1.3_DP, 0.4_DP, -0.5_DP, 0.8_DP], [2, 2]), CORNERS) + 0.5_DP * r
+      X(1, :) = X(1, :) + 3
+      do p = 1, 4
+        N = (1 + CORNERS(1, :) * xi(1, p)) * (1 + CORNERS(2, :) * xi(2, p)) / 4
+        dN(1, :) = CORNERS(1, :) * (1 + CORNERS(2, :) * xi(2, p)) / 4
+        dN(2, :) = CORNERS(2, :) * (1 + CORNERS(1, :) * xi(1, p)) / 4
+        J = matmul(X, transpose(dN))
+        radius(p) = dot_product(X(1, :), N)
+        det(p) = (J(1, 1) * J(2, 2) - J(1, 2) * J(2, 1)) * merge(radius(p), 1.0_DP, is_axisymmetric)
+      end do
+      call evaluate_plane_mode_gradients(X, xi, is_axisymmetric, gradients, radial, hoop)
+      do m = 1, 2
+        call suite%near('plane: gradients', norm2(matmul(gradients(m, :, :), det)), 0.0_DP, 1.0e-14_DP)
+        work = dot_product(radial(m, :) + hoop(m, :), det)
+        call suite%near('plane: equal radial and hoop stress', work, 0.0_DP, 1.0e-14_DP)
+      end do
+      call suite%near('plane: hoop stress in the third mode', dot_product(hoop(3, :), det), 0.0_DP, 1.0e-14_DP)
+      if (.not. is_axisymmetric) call suite%that('plane: no more', all(radial == 0) .and. all(hoop == 0))
+    end do
+    call suite%that('not zero', norm2(gradients) > 1 .and. norm2(hoop(3, :)) > 0.1_DP .and. norm2(radial) > 0.1_DP)
+    X = CORNERS
+    X(1, :) = 2 * X(1, :) + 5
+    call evaluate_plane_mode_gradients(X, xi, .true., gradients, radial, hoop)
+    call suite%near('rectangle: radial', maxval(abs(gradients(1, 1, :) + radial(1, :) - xi(1, :) / 2)), 0.0_DP, 1.0e-15_DP)
+    call suite%near('rectangle: hoop', maxval(abs(hoop(1, :) + (1 - xi(1, :)**2) / 2 / (5 + 2 * xi(1, :)))), 0.0_DP, 1.0e-15_DP)
+    call suite%near('rectangle: across', maxval(abs(gradients(2, 2, :) - xi(2, :))), 0.0_DP, 1.0e-15_DP)
+    call suite%near('rectangle: nothing else', maxval(abs(hoop(2, :))) + maxval(abs(radial(2, :))), 0.0_DP, 1.0e-15_DP)
+  end subroutine check_plane_gradients
 
 
   !> A quadratic energy is at its least after one correction, and then the next is rounding. A singular block is reported.

@@ -8,7 +8,8 @@ program test_plane_elements
   use amontons_materials, only: material_type, LAW_HENCKY, LAW_SAINT_VENANT
   use amontons_shape_functions, only: node_coordinates, shape_functions
   use amontons_element_kinds, only: element_kind, element_kind_type, KIND_CPS3, KIND_CPS4, KIND_CPE4, KIND_CPE4_FULL, &
-    KIND_CAX3, KIND_CAX4, KIND_CAX4R, KIND_CAX_SHELL, KIND_CPS8R, KIND_CPE8R, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
+    KIND_CAX3, KIND_CAX4, KIND_CAX4_FULL, KIND_CAX4R, KIND_CPE4I, KIND_CAX4I, KIND_CAX_SHELL, &
+    KIND_CPS8R, KIND_CPE8R, MAX_ELEMENT_NODES, MAX_FACE_NODES, &
     FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, FACET_LINE2, FACET_LINE3
   use check, only: suite_type
   implicit none
@@ -290,6 +291,15 @@ contains
     call evaluate_element_tangent(KIND_CPE4_FULL, rubber, X(:, :4), 0 * X(:, :4), .false., K, points, status)
     call find_eigenvalues(K(:12, :12), values)
     call suite%that('CPE4 plain: many stiff modes', count(values > 1e4_DP) > 1)
+    call evaluate_element_tangent(KIND_CPE4I, rubber, X(:, :4), 0 * X(:, :4), .false., K, points, status)
+    call find_eigenvalues(K(:12, :12), values)
+    call suite%that('CPE4I: one stiff mode', count(values > 1e4_DP) == 1)
+    call evaluate_element_tangent(KIND_CAX4I, rubber, X(:, :4), 0 * X(:, :4), .true., K, points, status)
+    call find_eigenvalues(K(:12, :12), values)
+    call suite%that('CAX4I large: one stiff mode', count(values > 1e4_DP) == 1)
+    call evaluate_element_tangent(KIND_CAX4_FULL, rubber, X(:, :4), 0 * X(:, :4), .true., K, points, status)
+    call find_eigenvalues(K(:12, :12), values)
+    call suite%that('CAX4 plain: many stiff modes', count(values > 1e4_DP) > 1)
   end subroutine check_no_locking
 
 
