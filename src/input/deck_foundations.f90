@@ -6,7 +6,7 @@ module amontons_deck_foundations
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, check_n_fields, elements_of_field, is_card
   use amontons_deck_structure, only: is_shell, structural_face, OTHER_LAYER
   use amontons_deck_surfaces, only: face_number
-  use amontons_element_kinds, only: face_index
+  use amontons_mesh, only: numbered_face
   use amontons_loads, only: foundation_type
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: name_key, plural, verb
@@ -90,7 +90,7 @@ contains
     type(model_type), intent(in) :: model
     integer, intent(in) :: e                     !< element
     character(*), intent(in) :: label            !< squeezed
-    face = face_index(model%mesh%kind(e), face_number(label, 'F'))
+    face = numbered_face(model%mesh, e, face_number(label, 'F'))
     if (is_shell(model, e)) then
       face = 0
       if (label == 'F') face = structural_face(model, e, 'P')

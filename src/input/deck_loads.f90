@@ -22,9 +22,9 @@ module amontons_deck_loads
   use amontons_load_propagation, only: active_loads_type, load_region_type, add_load, ramp_down_loads, prescribe_dof, &
     find_or_add_place, has_other_rotation, release_prescribed, &
     LOAD_CLOAD, LOAD_DLOAD, LOAD_VOLUME
-  use amontons_mesh, only: mean_face_normal
+  use amontons_mesh, only: mean_face_normal, numbered_face, face_number_here
   use amontons_text, only: name_key, to_text, plural, verb, is_one_of, NUMBER_OK
-  use amontons_element_kinds, only: element_kind_type, element_kind, kind_family, is_of_revolution, face_index, FAMILY_SOLID, &
+  use amontons_element_kinds, only: element_kind_type, element_kind, kind_family, is_of_revolution, FAMILY_SOLID, &
     has_faces_in_space
   implicit none
   private
@@ -532,7 +532,7 @@ contains
     call report_set_repeats(reader, row, reader%element_sets, reader%element_set_repeats)
     allocate (place%faces(size(place%elements)))
     do i = 1, size(place%elements)
-      place%faces(i) = face_index(model%mesh%kind(place%elements(i)), face_number(short(5:), short(5:5)))
+      place%faces(i) = numbered_face(model%mesh, place%elements(i), face_number(short(5:), short(5:5)))
       is_ok = is_ok .and. place%faces(i) > 0
       if (allocated(model%structure)) is_ok = is_ok .and. model%structure%section(place%elements(i)) == 0
       if (is_ok) cycle
@@ -616,7 +616,7 @@ contains
       elements(1))
     n_without = 0
     do i = 1, size(elements)
-      face = face_index(model%mesh%kind(elements(i)), face_number(strip_nu(label), 'P'))
+      face = numbered_face(model%mesh, elements(i), face_number(strip_nu(label), 'P'))
       if (is_shell(model, elements(i))) then
         face = structural_face(model, elements(i), label)
       else if (allocated(model%structure)) then
@@ -656,7 +656,7 @@ contains
     label = name_key(field_text(reader%cards, row, 2))
     has_face = size(nodes) == 1
     do i = 1, size(elements)
-      face = face_index(model%mesh%kind(elements(i)), face_number(label(:2), 'P'))
+      face = numbered_face(model%mesh, elements(i), face_number(label(:2), 'P'))
       has_face = has_face .and. face > 0
       if (allocated(model%structure)) has_face = has_face .and. model%structure%section(elements(i)) == 0
       if (has_face) call add_load(6 * elements(i) - 6 + face, 0.0_DP, 0, active_loads%step, active_loads%is_step, &
@@ -677,7 +677,7 @@ contains
     associate (structure => model%structure)
       n = structure%first(e + 1) - structure%first(e)
       if (n > 4) n = n / 2
-      k = iachar(label(6:6)) - iachar('1')
+      k = face_number_here(model%mesh, e, iachar(label(6:6)) - iachar('0')) - 1
       associate (of => structure%director_of(structure%first(e) + [k, modulo(k + 1, n)]))
         factor = 2 / sum(structure%directors(of)%thickness(1))
       end associate

@@ -12,9 +12,10 @@ module amontons_deck_mesh
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, &
     check_n_fields, check_no_data, has_decimal_comma, is_card, DECIMAL_COMMA_TEXT
   use amontons_containers, only: integer_list_type, label_table_type
+  use amontons_deck_collapsed_elements, only: collapse_elements
   use amontons_element_drafts, only: element_draft_type, resize_draft, NOT_GIVEN
   use amontons_materials, only: material_type
-  use amontons_mesh, only: mesh_type, finalize_mesh
+  use amontons_mesh, only: mesh_type, finalize_mesh, N_NUMBERED_FACES
   use amontons_deck_user_elements, only: mark_user_directions
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_text, only: to_text, plural, verb, is_one_of, NUMBER_OK
@@ -235,7 +236,7 @@ contains
     call resize_draft(draft, draft%n)
     call draft%labels%build(draft%label)
     call report_duplicate_labels(reader, draft%labels, draft%label, draft%line, 'element')
-    call check_connectivity(reader, mesh, draft)
+    call collapse_elements(reader, mesh, draft)
     if (draft%n == 0) call report_error(reader, 0, 'The deck has no elements: there is no *ELEMENT card with data.')
   end subroutine read_elements
 
@@ -357,28 +358,6 @@ contains
       call nodes%add(node)
     end do
   end subroutine read_node_fields
-
-
-  !> Reports elements with a repeated node. Cost: linear.
-  subroutine check_connectivity(reader, mesh, draft)
-    type(reader_type), intent(inout) :: reader
-    type(mesh_type), intent(in) :: mesh
-    type(element_draft_type), intent(in) :: draft
-    integer :: e, i, j, node
-    element: do e = 1, draft%n
-      if (draft%kind(e) == 0 .or. draft%kind(e) == KIND_USER) cycle element   ! the nodes of a user element may repeat
-      do i = draft%first(e), draft%first(e + 1) - 1
-        node = draft%nodes%items(i)
-        if (node == 0) cycle
-        do j = draft%first(e), i - 1
-          if (draft%nodes%items(j) /= node) cycle
-          call report_error(reader, draft%line(e), 'The element ' // to_text(draft%label(e)) // ' is degenerate: node ' // &
-            to_text(mesh%node_label(node)) // ' appears twice. Use a kind with fewer nodes.')
-          cycle element
-        end do
-      end do
-    end do element
-  end subroutine check_connectivity
 
 
   !> Reads all SOLID SECTION cards: element to material. The members of the element sets are indices of drafts here.
@@ -603,6 +582,7 @@ contains
     step = label_step(draft)
     if (any(draft%spring > 0)) allocate (mesh%spring(n), source=0)
     allocate (mesh%element_label(n), mesh%kind(n), mesh%first(n + 1), mesh%material(n), mesh%is_in_plane(n), mesh%layer(n))
+    if (allocated(draft%face_places)) allocate (mesh%face_places(N_NUMBERED_FACES, n))
     n_nodes = 0
     do e = 1, draft%n
       if (draft%mesh_index(e) > 0) n_nodes = n_nodes + draft%n_layers(e) * (draft%first(e + 1) - draft%first(e))
@@ -617,6 +597,7 @@ contains
         mesh%section(k) = numbers(e)
         mesh%layer(k) = layer
         mesh%kind(k) = draft%kind(e)
+        if (allocated(draft%face_places)) mesh%face_places(:, k) = draft%face_places(:, e)
         mesh%is_in_plane(k) = draft%is_in_plane(e)
         mesh%material(k) = max(0, draft%material(e))
         mesh%section_value(k) = draft%section_value(e)

@@ -15,7 +15,7 @@ module amontons_deck_structure
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_real, check_n_fields, &
     nodes_of_field, elements_of_field, is_card, check_no_data
   use amontons_expansion, only: expand_structure
-  use amontons_mesh, only: mesh_type
+  use amontons_mesh, only: mesh_type, face_number_here
   use amontons_model, only: model_type, free_unknowns, dof_direction, DIALECT_CALCULIX
   use amontons_structural_data, only: structure_type, director_type, structural_section_type, layer_type, find_node_directors, &
     n_section_layers
@@ -764,15 +764,26 @@ contains
     case ('SPOS')
       face = top
     case ('E1', 'E2', 'E3', 'E4', 'EDNOR1', 'EDNOR2', 'EDNOR3', 'EDNOR4')
-      if (top == 2) face = 2 + iachar(label(len(label):)) - iachar('0')
+      if (top == 2) face = edge_face(iachar(label(len(label):)) - iachar('0'))
     case ('S1', 'S2', 'S3', 'S4', 'S5', 'S6')
       if (model%dialect == DIALECT_CALCULIX) face = iachar(label(2:)) - iachar('0')
+      if (face > 2 .and. top == 2) face = edge_face(face - 2)
     end select
     if (face > n_faces) face = 0
     if (is_two_sided(model%mesh%kind(e))) return
     n_layers = n_section_layers(model%structure%sections(model%structure%section(e)))
     if (face == 1 .and. model%mesh%layer(e) > 1) face = OTHER_LAYER
     if (face == top .and. model%mesh%layer(e) < n_layers) face = OTHER_LAYER
+
+  contains
+
+    !> The face of an edge by its number in the deck; 0: its ends are one node.
+    pure integer function edge_face(number)
+      integer, intent(in) :: number
+      edge_face = face_number_here(model%mesh, e, number)
+      if (edge_face > 0) edge_face = edge_face + 2
+    end function edge_face
+
   end function structural_face
 
 

@@ -12,12 +12,12 @@ module amontons_deck_surfaces
   use amontons_loads, only: amplitude_type, equation_type, equation_list_type, AMPLITUDE_TABLE, AMPLITUDE_SMOOTH_STEP, &
     AMPLITUDE_PERIODIC, AMPLITUDE_MODULATED, AMPLITUDE_DECAY
   use amontons_containers, only: integer_list_type, sort_integers
-  use amontons_mesh, only: mesh_type
+  use amontons_mesh, only: mesh_type, numbered_face
   use amontons_model, only: model_type, dof_direction, DIALECT_CALCULIX
   use amontons_surfaces, only: surface_type
   use amontons_user_routines, only: USER_NAME_LENGTH
   use amontons_text, only: to_text, name_key, is_one_of, parse_real, plural, verb, NUMBER_OK, NEWLINE
-  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind, face_index
+  use amontons_element_kinds, only: element_kind_type, element_kind, facet_kind_type, facet_kind
   implicit none
   private
   public :: read_heading, read_amplitudes, read_surfaces, read_equations, find_slave_surface
@@ -457,7 +457,7 @@ contains
       end if
       n_without = 0
       do i = 1, size(found)
-        face = face_index(model%mesh%kind(found(i)), face_number(label, 'S'))
+        face = numbered_face(model%mesh, found(i), face_number(label, 'S'))
         if (is_shell(model, found(i))) face = structural_face(model, found(i), label)
         if (face == OTHER_LAYER) cycle
         if (face > n_faces(model%mesh, found(i))) face = 0

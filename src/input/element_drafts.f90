@@ -35,6 +35,7 @@ module amontons_element_drafts
     integer, allocatable :: node_at(:)           !< (rows of NODE cards) index of its node
     integer, allocatable :: element_first(:)     !< (n_cards) first element of an ELEMENT card
     integer, allocatable :: element_last(:)      !< (n_cards) last element of an ELEMENT card
+    integer, allocatable :: face_places(:, :)    !< (N_NUMBERED_FACES, n) as mesh%face_places
     type(label_table_type) :: labels             !< label to index here
   end type element_draft_type
 

@@ -6,12 +6,14 @@ module amontons_mesh
   use amontons_element_kinds, only: element_kind, element_kind_type, facet_kind_type, facet_kind, MAX_ELEMENT_NODES, &
     KIND_SPRINGA, FAMILY_SOLID, &
     FAMILY_MEMBRANE, FAMILY_TRUSS, FAMILY_SPRING, FAMILY_MASS, FAMILY_PLANE_STRESS, FAMILY_PLANE_STRAIN, FAMILY_AXISYMMETRIC, &
-    FAMILY_RIGID, FAMILY_USER, FAMILY_COHESIVE, has_faces_in_space
+    FAMILY_RIGID, FAMILY_USER, FAMILY_COHESIVE, has_faces_in_space, face_index
   use amontons_tensor, only: cross_product
   implicit none
   private
   public :: mesh_type, set_type, finalize_mesh, element_nodes, wall_ratios, append_node, append_nodes, append_node_copies, &
-    mesh_extent, find_connected_nodes, replace_element_nodes, mean_face_normal
+    mesh_extent, find_connected_nodes, replace_element_nodes, mean_face_normal, face_number_here, numbered_face, N_NUMBERED_FACES
+
+  integer, parameter :: N_NUMBERED_FACES = 6     !< most faces of an element in a deck
 
   !> A named list of nodes or elements.
   type :: set_type
@@ -52,11 +54,33 @@ module amontons_mesh
     logical, allocatable :: user_directions(:, :)   !< (3, size(nodes)) displacements that a user element stiffens at its node;
                                                    !! unallocated: there are none
     logical, allocatable :: is_unstiffened(:, :)          !< (3, n_nodes) has elements, but none has stiffness in this direction
+    integer, allocatable :: face_places(:, :)      !< (N_NUMBERED_FACES, n_elements) number here of each face or edge of the deck,
+                                                   !! 0: it is a line or a point; unallocated: no element has repeated nodes there
     type(set_type), allocatable :: node_sets(:)
     type(set_type), allocatable :: element_sets(:)
   end type mesh_type
 
 contains
+
+  !> The number here of a face, or edge of a shell, by its number in the deck; 0: it is a line or a point.
+  pure integer function face_number_here(mesh, e, number) result(here)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element
+    integer, intent(in) :: number                  !< in the deck; 0: none
+    here = number
+    if (.not. allocated(mesh%face_places) .or. number < 1) return
+    if (e <= size(mesh%face_places, 2)) here = mesh%face_places(number, e)
+  end function face_number_here
+
+
+  !> The face of an element by its number in the deck; 0: none.
+  pure integer function numbered_face(mesh, e, number) result(face)
+    type(mesh_type), intent(in) :: mesh
+    integer, intent(in) :: e                       !< element
+    integer, intent(in) :: number                  !< n of Sn, Pn, Fn; 0: none
+    face = face_index(mesh%kind(e), face_number_here(mesh, e, number))
+  end function numbered_face
+
 
   !> Sets what follows from the kinds: first integration point of each element, totals, and displacements without
   !! stiffness; missing section values are 1.
