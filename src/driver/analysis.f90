@@ -650,7 +650,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     logical :: is_always_free                      ! no shorter increment holds a body
     integer :: outcome
-    character(120) :: location
+    character(120) :: location, ending
     associate (record => analysis%records(analysis%n_records))
       record%failure = find_failure(analysis%model, analysis%system, analysis%state, analysis%newton, verdict)
       if (analysis%refusal%code /= FAILURE_NONE) record%failure = analysis%refusal
@@ -669,9 +669,11 @@ contains
         write (location, '(a,i0,a,i0,a,i0,a,i0,a)') 'Step ', record%step, ', increment ', record%increment, ', attempt ', &
           record%attempt, ', iteration ', record%n_iterations, ': '
         call logger%show_report(trim(location) // ' ' // record%reason, record%report_lines)
-        call set_error(error, EXIT_NOT_CONVERGED, trim(location) // ' ' // record%reason // trim(merge( &
-          ' A smaller increment does not hold it.', ' No smaller increment is allowed.     ', &
-          is_always_free)) // ' All converged increments are on disk.')
+        ending = 'No smaller increment is allowed.'
+        if (analysis%stepping%attempt > step%controls%i_a) ending = 'No further cut-back is allowed (I_A of *CONTROLS).'
+        if (is_always_free) ending = 'A smaller increment does not hold it.'
+        call set_error(error, EXIT_NOT_CONVERGED, trim(location) // ' ' // record%reason // ' ' // trim(ending) // &
+          ' All converged increments are on disk.')
       end if
     end associate
     call restore_state(analysis%state)

@@ -13,6 +13,7 @@ import pytest
 
 from verify.conftest import Run
 from verify.independent.results import read_field, read_history
+from verify.readers.dat_frd_files import read_dat
 from verify.study.contact_table import ball, cylinder
 
 FAST, SLOW, N_SURE = 6, 12, 4  #: iterations: IG, IL of doc/theory/newton.md, and those after which what was not predicted counts
@@ -81,3 +82,32 @@ def test_directions_lead_to_the_same(run: Run, tmp_path: Path) -> None:
     for direction in ("SYMMETRIC", "LAGGED"):
         assert np.abs(found[direction][0] - u).max() <= 1e-4 * np.abs(u).max(), direction
         assert found[direction][1] > n, f"{direction} takes no more iterations: it is not another direction"
+
+
+def rolled_plate(first_increment: str) -> str:
+    """A clamped plate of 4 x 2 S8, which a pressure rolls up."""
+    at = [(i, j) for j in range(5) for i in range(9) if not (i % 2 and j % 2)]
+    label = {place: k for k, place in enumerate(at, start=1)}
+    deck = "*NODE, NSET=N\n" + "".join(f"{k}, {i / 4}, {j / 4}\n" for (i, j), k in label.items())
+    deck += "*ELEMENT, TYPE=S8, ELSET=E\n"
+    for e, (i, j) in enumerate([(i, j) for j in (0, 2) for i in (0, 2, 4, 6)], start=1):
+        corners = [(i, j), (i + 2, j), (i + 2, j + 2), (i, j + 2), (i + 1, j), (i + 2, j + 1), (i + 1, j + 2), (i, j + 1)]
+        deck += f"{e}, " + ", ".join(str(label[place]) for place in corners) + "\n"
+    deck += "*MATERIAL, NAME=M\n*ELASTIC\n1.E4, 0.3\n*SHELL SECTION, ELSET=E, MATERIAL=M\n0.05\n*NSET, NSET=END\n"
+    deck += ", ".join(str(label[0, j]) for j in range(5)) + f"\n*NSET, NSET=TIP\n{label[8, 2]}\n*BOUNDARY\nEND, 1, 6\n"
+    return deck + f"*STEP, NLGEOM, INC=500\n*STATIC\n{first_increment}*DLOAD\nE, P, 8.\n*NODE PRINT, NSET=TIP\nU\n*END STEP\n"
+
+
+def test_cut_backs_lead_as_far_as_in_calculix(run: Run, tmp_path: Path) -> None:
+    """The whole pressure in one increment, as the deck requests, needs six cut-backs, more than CalculiX's five, which cut to a quarter.
+    The end is that of small increments, within the loose criteria of the dialect."""
+    tips = []
+    for first in ("", "0.02, 1., 1e-6, 0.02\n"):
+        (tmp_path / "job.inp").write_text(rolled_plate(first))
+        done = run(["--dialect=calculix", "job"], cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        tips.append(np.array(next(iter(read_dat(tmp_path / "job.dat")[-1].rows.values()))))
+        n_failed = int(re.findall(r"attempts that failed +(\d+)", done.stdout)[0])
+        assert (n_failed > 5) == (first == "")
+    assert np.abs(tips[1]).max() > 1.0, "half of the length"
+    assert tips[0] == pytest.approx(tips[1], abs=0.01 * np.abs(tips[1]).max())
