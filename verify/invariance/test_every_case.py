@@ -30,6 +30,9 @@ HERE = Path(__file__).resolve().parent
 EVERY = bool(os.environ.get("AMONTONS_EVERY_CASE"))
 #: What Newton's method may leave, where 1e-10 of the largest force is too much: of nearly incompressible sheets it moves the tip by 1e-8.
 TIGHT = {"cook-incompressible": 1e-12}
+#: What rounding leaves of a slender body, where it is more than 1e-8: seven systems of units scatter this beam's stresses and reactions by 1.4e-8, and the
+#: residual is 1e-14 of the largest internal force.
+ROUNDED = {"macneal-harder-curved-b32": 1e-7}
 
 
 class Compared(Case):
@@ -46,7 +49,7 @@ class Compared(Case):
         for system in names if EVERY else [names[self.turn % len(names)]]:
             units = SYSTEMS[system]
             job = self.solve(scaled(deck, units, tight), self.work / f"{name} {system}")
-            same(job, plain, 1e-8, InUnits(units))
+            same(job, plain, ROUNDED.get(self.name, 1e-8), InUnits(units))
         same_counts(self.solve(scaled(deck, SYSTEMS["inch-pound"], 0), self.work / f"{name} own inch"), self.solve(deck, self.work / f"{name} own"))
         return plain
 
