@@ -20,8 +20,8 @@ module amontons_incompatible_modes
   use amontons_element_kinds, only: MAX_ELEMENT_NODES
   implicit none
   private
-  public :: mode_iteration_type, evaluate_mode_gradients, evaluate_plane_mode_gradients, update_mode_amplitudes, &
-    halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part
+  public :: mode_iteration_type, evaluate_mode_gradients, evaluate_plane_mode_gradients, correct_mode_amplitudes, &
+    update_mode_amplitudes, halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part
   public :: N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, TOL_MODE_FORCE_ACCEPTABLE
 
   integer, parameter :: N_MODES = 3                !< vectors of amplitudes: nine numbers
@@ -102,6 +102,30 @@ contains
       if (is_axisymmetric) hoop(3, p) = (xi(1, p) * xi(2, p) - shift(3)) * ratio / parts(1, 0)
     end do
   end subroutine evaluate_plane_mode_gradients
+
+
+  !> The next amplitudes of the search for zero forces of the modes: half of a correction that inverted the element, else an update.
+  pure subroutine correct_mode_amplitudes(iteration, n, is_valid, force, stiffness, u, residual, is_done)
+    type(mode_iteration_type), intent(inout) :: iteration
+    integer, intent(in) :: n                       !< nodes; the modes follow
+    logical, intent(in) :: is_valid                !< the element was evaluated; else its forces are undefined
+    real(DP), intent(in) :: force(3, MAX_ELEMENT_NODES)
+    real(DP), intent(in) :: stiffness(3 * MAX_ELEMENT_NODES, 3 * MAX_ELEMENT_NODES)
+    real(DP), intent(inout) :: u(:, :)             !< (3, n + N_MODES) displacements, then amplitudes [length]
+    real(DP), intent(inout) :: residual            !< of the modes; 0 where the last update was exact [-]
+    logical, intent(out) :: is_done                !< found, or there is no further correction
+    logical :: is_exact, is_regular
+    if (.not. is_valid) then
+      call halve_mode_correction(iteration, u(:, n + 1:), is_regular)
+      is_done = .not. is_regular
+      return
+    end if
+    is_done = residual <= TOL_MODE_FORCE
+    if (is_done) return
+    call update_mode_amplitudes(iteration, n, force, stiffness, u, is_exact, is_regular)
+    if (is_exact) residual = 0
+    is_done = is_exact .or. .not. is_regular
+  end subroutine correct_mode_amplitudes
 
 
   !> Updates the amplitudes: a Newton correction, or, if the last one passed the energy minimum, a secant step back.

@@ -9,8 +9,8 @@ module amontons_solid_elements
   use amontons_kinds, only: DP
   use amontons_beam_rules, only: is_beam_kind
   use amontons_zero_stress_condition, only: evaluate_initial_tangent, CONDITION_NONE
-  use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, update_mode_amplitudes, &
-    halve_mode_correction, condense_mode_amplitudes, add_mode_skew_part, N_MODES, MAX_AMPLITUDE_CORRECTIONS, TOL_MODE_FORCE, &
+  use amontons_incompatible_modes, only: mode_iteration_type, evaluate_mode_gradients, correct_mode_amplitudes, &
+    condense_mode_amplitudes, add_mode_skew_part, N_MODES, MAX_AMPLITUDE_CORRECTIONS, &
     TOL_MODE_FORCE_ACCEPTABLE
   use amontons_hourglass, only: hourglass_type, set_physical_hourglass, set_artificial_hourglass, add_hourglass_forces, &
     add_thickness_stabilization, has_present_modulus, artificial_modulus
@@ -321,19 +321,12 @@ contains
     type(mode_iteration_type) :: iteration
     real(DP) :: mode_residual
     integer :: step
-    logical :: is_exact, is_regular
+    logical :: is_done
     mode_residual = huge(1.0_DP)
     do step = 0, MAX_AMPLITUDE_CORRECTIONS
       call evaluate_modes(material, reference_kinematics, whole, is_nlgeom, force, points, status, stiffness, mode_residual)
-      if (status /= ELEMENT_OK) then
-        call halve_mode_correction(iteration, whole(:, 9:), is_regular)
-        if (.not. is_regular) return
-        cycle
-      end if
-      if (mode_residual <= TOL_MODE_FORCE) exit
-      call update_mode_amplitudes(iteration, 8, force, stiffness, whole, is_exact, is_regular)
-      if (is_exact) mode_residual = 0
-      if (is_exact .or. .not. is_regular) exit
+      call correct_mode_amplitudes(iteration, 8, status == ELEMENT_OK, force, stiffness, whole, mode_residual, is_done)
+      if (is_done) exit
     end do
     if (status == ELEMENT_OK .and. .not. mode_residual <= TOL_MODE_FORCE_ACCEPTABLE) status = ELEMENT_NOT_FINITE
   end subroutine solve_mode_amplitudes
