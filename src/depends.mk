@@ -188,7 +188,7 @@ uses_self_contact_visibility = kinds containers tensor element_kinds facets face
 uses_tributary_areas = kinds tensor element_kinds mesh surfaces shape_functions
 
 # contact_laws
-uses_friction_slip_scenarios = kinds
+uses_friction_slip_scenarios = kinds surfaces
 uses_pressure_overclosure = kinds surfaces friction_slip_scenarios
 uses_slave_node_equilibrium = kinds tensor surfaces friction_slip_scenarios pressure_overclosure
 uses_slave_node_overrides = kinds
@@ -231,7 +231,7 @@ uses_tie_generation = kinds text errors tensor element_kinds loads mesh surfaces
 uses_body_motion = kinds containers loads materials mesh model exterior_surface
 uses_slave_nodes = kinds surfaces slave_node_equilibrium state
 uses_user_contact = kinds tensor user_routines surfaces model state
-uses_shared_slave_nodes = kinds containers facets slave_node_overrides state
+uses_shared_slave_nodes = kinds containers surfaces facets slave_node_overrides state
 uses_midside_constraints = state
 uses_contact_pairs = kinds containers errors tensor sparse analytic_profiles controls element_kinds surfaces steps model facets analytic_master exterior_surface facet_crossing facet_search contact_constraint_rows surface_projection self_contact_visibility tributary_areas friction_slip_scenarios slave_node_equilibrium slave_node_overrides mortar state constraints slave_nodes user_contact shared_slave_nodes midside_constraints
 uses_mortar_seams = kinds surfaces contact_constraint_rows mortar state shared_slave_nodes contact_pairs

@@ -17,7 +17,7 @@ module amontons_contact_evaluation
   use amontons_shared_slave_nodes, only: free_projector, support_free_projector, is_friction_in_other_pair, MIN_FREE_PART
   use amontons_facets, only: is_line_facet
   use amontons_friction_slip_scenarios, only: trial_traction_type, evaluate_trial_traction, slip_state_type, friction_limit, &
-    NO_FRICTION_LIMIT
+    NO_FRICTION_LIMIT, CONTACT_OPEN, CONTACT_CLOSED, CONTACT_KEPT
   use amontons_pressure_overclosure, only: find_activation_gap, find_shear_limit
   use amontons_slave_node_equilibrium, only: local_problem_type, local_solution_type, solve_local_problem
   use amontons_mortar_seams, only: update_mortar_rows
@@ -79,8 +79,8 @@ contains
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) /= level) cycle
-        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. &
-          is_status_imposed(fields%slaves(s)%overrides), s, fields)
+        call evaluate_slave(contact, model, old%slaves(s), old%u, x, (is_frozen .and. .not. has_no_direction(contact, &
+          old%slaves(s), fields%slaves(s))) .or. is_status_imposed(fields%slaves(s)%overrides), s, fields)
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) == level) call add_contact_force(contact, s, fields%slaves(s), fields%contact_force)
@@ -89,6 +89,17 @@ contains
     end do
     if (.not. is_linearized) call measure_clearances(contact, fields%slaves, x)
   end subroutine evaluate_contact
+
+
+  !> Whether a slave node hung on its master without friction: as slipping it would have friction in no direction where the start of
+  !! an increment presses it, so that its trial traction decides between stick and slip.
+  pure logical function has_no_direction(contact, old, slave)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: old      !< committed
+    type(slave_state_type), intent(in) :: slave
+    has_no_direction = slave%is_bilateral .and. old%status == STATUS_SLIP .and. .not. (norm2(old%shear) > 0.0_DP .or. &
+      allocated(contact%held_friction))
+  end function has_no_direction
 
 
   !> The imbalance that the contact force of a slave node balances: for a sticking node that of its origin's row.
@@ -203,8 +214,8 @@ contains
       associate (slave => fields%slaves(s))
         gap = slave%gap
         gap = gap + merge(TOL_CLOSING, -TOL_OPENING, status_before == STATUS_OPEN) * contact%edge(slave%pair)
-        call evaluate_trial_traction(Rhat, gap, d, free_normal, limit(1), slave%stiffness, status_before /= STATUS_OPEN, &
-          limit(2), trial)
+        call evaluate_trial_traction(Rhat, gap, d, free_normal, limit(1), slave%stiffness, merge(CONTACT_KEPT, &
+          merge(CONTACT_OPEN, CONTACT_CLOSED, status_before == STATUS_OPEN), slave%is_bilateral), limit(2), trial)
         slave%status = merge(status_before, trial%status, is_frozen)
         if (slave%overrides%status == NODE_OVERRIDE_STICK_ONCE .and. trial%status /= STATUS_STICK) &
           contact%n_imposed = contact%n_imposed + 1
@@ -227,12 +238,12 @@ contains
           slave%force = N / free_share * slave%normal
         else
           call set_force(slave, Rhat, N / free_share, slip_friction(contact, slave, s, &
-            friction_limit(mu, N, shear_limit_force) * trial%direction))
+            friction_limit(mu, N, shear_limit_force, slave%is_bilateral) * trial%direction))
         end if
         if (slave%status == STATUS_STICK .and. has_other_constraints(contact, s)) slave%shear = -Rhat - N * free_normal
         contact%slip_data(s) = slip_state_type(slave%status, N, Rhat + N * free_normal, limit_of(contact, slave, s, &
           N / free_share), &
-          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair), slave%is_bilateral)
       end associate
     end subroutine set_forces
 
@@ -246,7 +257,10 @@ contains
     integer, intent(in) :: s                       !< index of the slave
     real(DP), intent(in) :: free_share             !< length of the free part of its normal [-]
     type(slave_state_type), intent(inout) :: slave
-    slave%force = max(contact%held_normal_force(s) - slave%stiffness * slave%gap, 0.0_DP) / free_share * slave%normal
+    real(DP) :: N                                  ! [force]
+    N = contact%held_normal_force(s) - slave%stiffness * slave%gap
+    if (.not. slave%is_bilateral) N = max(N, 0.0_DP)
+    slave%force = N / free_share * slave%normal
     slave%shear = held_friction(contact, slave, s)
   end subroutine set_augmented_force
 
@@ -341,10 +355,10 @@ contains
       end if
       if (is_compliant(law)) then
         is_unlimited = law%friction >= ROUGH_FRICTION .or. law%behavior == BEHAVIOR_TIED
-        limit = find_shear_limit(law, slave%area, N / slave%area)
+        limit = find_shear_limit(law, slave%area, N / slave%area, slave%is_bilateral)
       else
         is_unlimited = contact%friction(s) >= ROUGH_FRICTION
-        limit = friction_limit(contact%friction(s), max(N, 0.0_DP), law%shear_limit * slave%area)
+        limit = friction_limit(contact%friction(s), max(N, 0.0_DP), law%shear_limit * slave%area, slave%is_bilateral)
       end if
       if (is_unlimited .and. law%shear_limit >= NO_SHEAR_LIMIT) limit = NO_FRICTION_LIMIT
     end associate
@@ -451,7 +465,8 @@ contains
         local_problem%slip = elastic_trial_slip(contact, model, old, fields%u, slave)
         call solve_local_problem(law, local_problem, contact%local_equilibrium(s))
       end if
-      slave%is_in_law_range = .not. contact%local_equilibrium(s)%is_open .and. slave%gap <= find_activation_gap(law, slave%area)
+      slave%is_in_law_range = .not. contact%local_equilibrium(s)%is_open .and. (slave%is_bilateral .or. &
+        slave%gap <= find_activation_gap(law, slave%area))
       call apply_local_equilibrium(contact%local_equilibrium(s), slave)
       if (allocated(contact%held_friction) .and. status_before /= STATUS_OPEN .and. slave%status /= STATUS_OPEN) then
         call set_held_shear(contact, law, local_problem%slip, s, slave)
@@ -464,7 +479,7 @@ contains
         contact%slip_data(s) = slip_state_type(slip=slave%slip_increment, slip_zero=SLIP_ZERO * contact%edge(slave%pair))
       else
         contact%slip_data(s) = slip_state_type(slave%status, N, imbalance + N * slave%normal, limit_of(contact, slave, s, N), &
-          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair))
+          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair), slave%is_bilateral)
       end if
       call count_changes(contact, status_before, s, slave, 0.0_DP)
     end associate
@@ -495,6 +510,7 @@ contains
     local_problem%area = slave%area
     local_problem%overclosure = -slave%gap
     local_problem%normal = slave%normal
+    local_problem%is_bilateral = slave%is_bilateral
     local_problem%imbalance = imbalance
     local_problem%slip_rounding = epsilon(1.0_DP) * contact%edge(slave%pair)
     if (.not. is_row_uncoupled(contact, slave, s) .or. contact%laws(slave%pair)%is_user_friction) return

@@ -89,8 +89,9 @@ contains
         if (is_new) call initialize_slave(contact, model, slave)
         call ramp_interference(contact, is_step_start, fields, slave)
         if (is_new .and. slave%facet > 0 .and. slave%gap <= TOL_INITIAL_CONTACT * contact%edge(p)) slave%status = STATUS_STICK
+        slave%is_bilateral = contact%laws(p)%has_no_separation .and. slave%status /= STATUS_OPEN
         slave%scenario = 0
-        slave%is_in_law_range = .false.
+        slave%is_in_law_range = slave%is_bilateral
         if (is_rough(contact%laws(p)) .and. slave%status == STATUS_SLIP) slave%status = STATUS_STICK   ! at its current position
         slave%slip_increment = 0.0_DP
         slave%origin_facet = 0

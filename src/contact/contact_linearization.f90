@@ -498,7 +498,7 @@ contains
       mu = contact%friction(tangent%slave)
       if (contact%laws(slave%pair)%is_user_friction) mu = 0.0_DP
       shear_limit_force = contact%laws(slave%pair)%shear_limit * slave%area
-      is_capped = is_friction_capped(mu / share, N, shear_limit_force)
+      is_capped = is_friction_capped(mu / share, N, shear_limit_force, slave%is_bilateral)
       w = -matmul(m, imbalance) - slave%stiffness * matmul(m, contact_slip_vector(contact, model, fields%u, slave))
       p = unit - outer_product(n_f, n_f)
       h = matmul(p, m) / share                     ! d n_f = h d n
@@ -511,7 +511,7 @@ contains
         direction_derivative = (unit - outer_product(q, q)) / length
       end if
       d_limit = merge(0.0_DP, mu, is_capped)       ! friction is limit q, d limit = d_limit/|n_f| (dN - N d|n_f|/|n_f|)
-      limit = friction_limit(mu / share, N, shear_limit_force)
+      limit = friction_limit(mu / share, N, shear_limit_force, slave%is_bilateral)
       a = (slave%normal + d_limit * q) / share
       tangent%force_imbalance = -outer_product(a, n_f) - limit * matmul(direction_derivative, p)
       force_slip = -limit * slave%stiffness * matmul(matmul(direction_derivative, p), m)

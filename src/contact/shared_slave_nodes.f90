@@ -9,6 +9,7 @@ module amontons_shared_slave_nodes
   use amontons_kinds, only: DP
   use amontons_containers, only: list_groups
   use amontons_facets, only: facets_type
+  use amontons_surfaces, only: ROUGH_FRICTION
   use amontons_state, only: slave_state_type, STATUS_OPEN
   use amontons_slave_node_overrides, only: is_friction_suppressed, NODE_OVERRIDE_NONE, NODE_OVERRIDE_GIVES_WAY
   implicit none
@@ -20,6 +21,7 @@ module amontons_shared_slave_nodes
   real(DP), parameter :: MIN_PARALLEL_COSINE = 0.99_DP    !< normals whose product is above this constrain the same direction [-]
   real(DP), parameter :: MIN_FREE_PART = 1.0e-6_DP  !< a normal with a smaller free part than this is fixed by supports or
                                                     !! constrains no further direction [-]
+  real(DP), parameter :: UNLIMITED_FORCE = sqrt(huge(1.0_DP))   !< normal force of a pair whose friction has no limit [force]
 
   !> The slaves at each node, and their evaluation order.
   type :: shared_slaves_type
@@ -93,7 +95,8 @@ contains
 
   !> The levels of an increment, and the secondary slaves: pair by pair in the order of the deck, a slave is active unless its
   !! reaction would return to it through slaves that are active already. In self contact the slaves beside an active one come next,
-  !! so that a whole side of a fold is slave and the other one master; slaves that were closed come first and keep their side.
+  !! so that a whole side of a fold is slave and the other one master; slaves that were closed come first and keep their side. So do
+  !! slaves that bear tension, in any pair: the other side does not know it.
   subroutine order_slave_levels(slaves, is_secondary, reach, shared)
     type(slave_state_type), intent(inout) :: slaves(:)   !< out: the override GIVES_WAY
     logical, intent(in) :: is_secondary(:)         !< (n_pairs) all slaves of the pair are secondary
@@ -110,11 +113,9 @@ contains
     allocate (mark(size(slaves)), source=0)
     allocate (stack(size(slaves)), queue(size(slaves)))
     was_tested = .not. shared%is_hard_pair .or. is_secondary(slaves%pair)
-    do pass = merge(1, 2, allocated(reach%side)), 2
+    do pass = 1, 2
       do s = 1, size(slaves)
-        if (pass == 1) then
-          if (slaves(s)%status == STATUS_OPEN .or. reach%side_first(s + 1) == reach%side_first(s)) cycle
-        end if
+        if (pass == 1 .and. .not. keeps_side(s)) cycle
         call choose_sides(s)
       end do
     end do
@@ -122,6 +123,14 @@ contains
     call number_levels(reach, is_kept, shared)
 
   contains
+
+    !> Whether a slave that was closed keeps its side.
+    logical function keeps_side(s)
+      integer, intent(in) :: s
+      keeps_side = slaves(s)%is_bilateral
+      if (.not. keeps_side .and. allocated(reach%side)) keeps_side = slaves(s)%status /= STATUS_OPEN .and. &
+        reach%side_first(s + 1) > reach%side_first(s)
+    end function keeps_side
 
     !> Decides on a slave, then on those beside it as far as they are active.
     subroutine choose_sides(s)
@@ -290,14 +299,25 @@ contains
     if (shared%first(slaves(s)%node + 1) - shared%first(slaves(s)%node) < 2) return
     has = free(1, 1) + free(2, 2) + free(3, 3) < 1.5_DP   ! its rank
     own = 0.0_DP
-    if (slaves(s)%status /= STATUS_OPEN) own = max(-dot_product(slaves(s)%normal, Rhat(:, s)), 0.0_DP)
+    if (slaves(s)%status /= STATUS_OPEN) own = max(deciding_force(slaves(s), friction(slaves(s)%pair), Rhat(:, s)), 0.0_DP)
     do k = shared%first(slaves(s)%node), shared%first(slaves(s)%node + 1) - 1
       t = shared%member(k)
       if (t == s .or. slaves(t)%status == STATUS_OPEN .or. .not. friction(slaves(t)%pair) > 0.0_DP) cycle
-      other = -dot_product(slaves(t)%normal, Rhat(:, t))
+      other = deciding_force(slaves(t), friction(slaves(t)%pair), Rhat(:, t))
       if (t < s) has = has .or. min_ratio * other >= own
       if (t > s) has = has .or. other > min_ratio * own
     end do
   end function is_friction_in_other_pair
+
+
+  !> The normal force by which a pair has the friction of a node in several pairs. A node that bears tension has no friction in it,
+  !! but what never slips (ROUGH) has friction at any force.
+  pure real(DP) function deciding_force(slave, friction, Rhat) result(force)
+    type(slave_state_type), intent(in) :: slave    !< closed
+    real(DP), intent(in) :: friction               !< mu [-]
+    real(DP), intent(in) :: Rhat(3)                !< imbalance of its row [force]
+    force = -dot_product(slave%normal, Rhat)       ! [force]
+    if (slave%is_bilateral) force = merge(UNLIMITED_FORCE, max(force, 0.0_DP), friction >= ROUGH_FRICTION)
+  end function deciding_force
 
 end module amontons_shared_slave_nodes

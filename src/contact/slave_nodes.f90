@@ -16,6 +16,7 @@ contains
     type(slave_state_type), intent(inout) :: slave
     slave%facet = 0
     slave%status = STATUS_OPEN
+    slave%is_bilateral = .false.
     slave%gap = 0.0_DP
     slave%force = 0.0_DP
     slave%shear = 0.0_DP

@@ -12,11 +12,12 @@
 !!     N      -n.Rhat, the normal force, positive in compression [force]
 !!     Rt     Rhat + N n, the tangential imbalance that drives slip [force]
 !!     g      slip vector since the start of the increment [length]
-!!     L      friction limit min(mu max(N, 0), TAUMAX A), the largest friction force [force]
+!!     L      friction limit min(mu max(N, 0), TAUMAX A), the largest friction force; ROUGH: TAUMAX A [force]
 !!     DR     |Rt| - L, signed excess over the friction limit [force]
 !!     u, ud  configurations of the iterate and after the full search direction d
 module amontons_friction_slip_scenarios
   use amontons_kinds, only: DP
+  use amontons_surfaces, only: ROUGH_FRICTION
   implicit none
   private
   public :: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type
@@ -24,6 +25,7 @@ module amontons_friction_slip_scenarios
     find_bounded_step_length
   public :: STATUS_OPEN, STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES
   public :: SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, SCENARIO_IV, NO_FRICTION_LIMIT
+  public :: CONTACT_OPEN, CONTACT_CLOSED, CONTACT_KEPT
 
   ! Status of a slave node. The trial traction gives the first three, which the results show; the classification of slip scenarios
   ! divides them further. The library gives the same numbers (AMONTONS_NODE_... of amontons.h).
@@ -39,6 +41,11 @@ module amontons_friction_slip_scenarios
   integer, parameter :: SCENARIO_II = 2      !< not enough slip
   integer, parameter :: SCENARIO_III = 3     !< backed up too far
   integer, parameter :: SCENARIO_IV = 4      !< backing up
+
+  ! Contact of a slave node before the trial traction decides on it.
+  integer, parameter :: CONTACT_OPEN = 0     !< in the last iteration it was open
+  integer, parameter :: CONTACT_CLOSED = 1   !< it was closed
+  integer, parameter :: CONTACT_KEPT = 2     !< it is closed for good, and bears tension (NO SEPARATION)
 
   real(DP), parameter :: NO_FRICTION_LIMIT = huge(1.0_DP)   !< friction without limit (ROUGH, TIED) [force]
 
@@ -60,6 +67,7 @@ module amontons_friction_slip_scenarios
     real(DP) :: limit = 0                    !< L; NO_FRICTION_LIMIT: none [force]
     real(DP) :: slip(3) = 0                  !< g [length]
     real(DP) :: slip_zero = 0                !< slip up to this counts as zero [length]
+    logical :: is_bilateral = .false.        !< it bears tension (NO SEPARATION): N < 0 does not open it
   end type slip_state_type
 
   !> Tolerances and bounds. The defaults exclude rounding only; each step of a job sets its own.
@@ -99,27 +107,37 @@ contains
   !> The friction limit at a normal force: min(mu N, limit_cap).
   !!
   !! It is homogeneous: stresses in place of forces give a stress. It is linear for negative N too, as Newton's method requires
-  !! during the iteration; DR takes max(N, 0).
-  elemental real(DP) function friction_limit(mu, N, limit_cap) result(limit)
+  !! during the iteration; DR takes max(N, 0). A node that bears tension has no friction there, min(mu max(N, 0), limit_cap); where
+  !! it never slips (ROUGH), its limit is limit_cap at any N.
+  elemental real(DP) function friction_limit(mu, N, limit_cap, is_bilateral) result(limit)
     real(DP), intent(in) :: mu               !< coefficient, over the part of the normal that supports leave free [-]
     real(DP), intent(in) :: N                !< normal force, positive in compression [force]
     real(DP), intent(in) :: limit_cap             !< upper bound of the friction for any N: TAUMAX times the area [force]
+    logical, intent(in), optional :: is_bilateral   !< the node bears tension (NO SEPARATION); default: it does not
     limit = min(mu * N, limit_cap)
+    if (.not. present(is_bilateral)) return
+    if (is_bilateral) limit = merge(limit_cap, max(limit, 0.0_DP), mu >= ROUGH_FRICTION)
   end function friction_limit
 
 
-  !> Whether the friction limit is TAUMAX, and thus does not change with the normal force.
-  elemental logical function is_friction_capped(mu, N, limit_cap)
+  !> Whether the friction limit does not change with the normal force: it is TAUMAX, or that of a node in tension.
+  elemental logical function is_friction_capped(mu, N, limit_cap, is_bilateral)
     real(DP), intent(in) :: mu, N, limit_cap      !< as of friction_limit
+    logical, intent(in), optional :: is_bilateral   !< as of friction_limit
     is_friction_capped = mu * N > limit_cap
+    if (.not. present(is_bilateral)) return
+    is_friction_capped = is_friction_capped .or. (is_bilateral .and. (N <= 0 .or. mu >= ROUGH_FRICTION))
   end function is_friction_capped
 
 
   !> Status of a slave node by trial traction: the primal-dual active set in the form of an augmented Lagrangian.
   !!
-  !!     sigma = N - c gap           closed if sigma > 0
+  !!     sigma = N - c gap           closed if sigma > 0, or for good
   !!     tau   = -Rt - c P slip      P = 1 - n n';  stick if |tau| <= friction_limit(mu, sigma, limit_cap), else slip
   !!                                 with friction along tau/|tau|
+  !!
+  !! A node that is closed for good (NO SEPARATION) has the gap zero and a force of any sign: the inequality of sigma does not hold
+  !! there. In tension it slips without friction, unless it never slips (ROUGH).
   !!
   !! A node that was open has no contact force yet, so its imbalance is not a contact force: N = 0 and Rt = 0. Its slip counts from
   !! the point of first touch: it starts as stick if it approached along the normal, as slip if it approached obliquely. Without
@@ -128,25 +146,26 @@ contains
   !!
   !! Reference: P. Alart, A. Curnier, A mixed formulation for frictional contact problems prone to Newton like solution
   !! methods, Comput. Methods Appl. Mech. Engrg. 92 (1991) 353-375.
-  pure subroutine evaluate_trial_traction(imbalance, gap, slip, normal, mu, stiffness, was_closed, limit_cap, trial)
+  pure subroutine evaluate_trial_traction(imbalance, gap, slip, normal, mu, stiffness, contact, limit_cap, trial)
     real(DP), intent(in) :: imbalance(3)     !< Rhat of the slave node [force]
     real(DP), intent(in) :: gap              !< signed distance, negative is penetration [length]
     real(DP), intent(in) :: slip(3)          !< x_s - x_m(origin), g before its projection [length]
     real(DP), intent(in) :: normal(3)        !< unit normal out of the master [-]
     real(DP), intent(in) :: mu               !< coefficient of friction [-]
     real(DP), intent(in) :: stiffness        !< c, the node's own stiffness, > 0 [force/length]
-    logical, intent(in) :: was_closed        !< in contact in the last iteration
+    integer, intent(in) :: contact           !< CONTACT_...: before this evaluation
     real(DP), intent(in) :: limit_cap             !< upper bound of the friction for any normal force [force]
     type(trial_traction_type), intent(out) :: trial
-    real(DP) :: size_tau
-    if (was_closed) call split_nodal_imbalance(imbalance, normal, trial%N, trial%Rt)
+    real(DP) :: size_tau, limit
+    if (contact /= CONTACT_OPEN) call split_nodal_imbalance(imbalance, normal, trial%N, trial%Rt)
     trial%sigma = trial%N - stiffness * gap
     trial%tau = -trial%Rt - stiffness * (slip - dot_product(normal, slip) * normal)
     size_tau = norm2(trial%tau)
     if (size_tau > 0) trial%direction = trial%tau / size_tau
-    if (trial%sigma <= 0) then
+    limit = friction_limit(mu, trial%sigma, limit_cap, contact == CONTACT_KEPT)
+    if (trial%sigma <= 0 .and. contact /= CONTACT_KEPT) then
       trial%status = STATUS_OPEN
-    else if (mu > 0 .and. size_tau <= friction_limit(mu, trial%sigma, limit_cap)) then
+    else if (limit > 0 .and. size_tau <= limit) then
       trial%status = STATUS_STICK
     else
       trial%status = STATUS_SLIP
@@ -165,7 +184,8 @@ contains
   !! | <= 0 | zero | any | stick |
   !! | 0 within the tolerance | nonzero | any | slip in equilibrium |
   !!
-  !! A node without a friction limit sticks. A node open at u stays open or closes; a node closed with N < 0 opens.
+  !! A node without a friction limit sticks. A node open at u stays open or closes; a node closed with N < 0 opens, unless it bears
+  !! tension.
   !!
   !! The step length is one secant step on d.e with the vector e = DR t: alpha = - d.e(u) / d.(e(ud) - e(u)). For d along t_u (I,
   !! II) or -t_g (III, IV) it is the formula of the table in the slides. In III and IV the step is cut where the projection of the
@@ -251,7 +271,7 @@ contains
     is_balanced = abs(DR) <= max(controls%slip_tolerance * point%limit, controls%force_zero)
     if (point%status == STATUS_OPEN) then
       status = merge(STATUS_OPEN, STATUS_CLOSES, status_ud == STATUS_OPEN)
-    else if (point%N < 0) then
+    else if (point%N < 0 .and. .not. point%is_bilateral) then
       status = STATUS_OPENS
     else if (.not. point%limit < NO_FRICTION_LIMIT) then
       status = STATUS_STICK

@@ -111,11 +111,12 @@ contains
 
   !> Friction limit of a law at a pressure: the largest shear force at a node. TIED slips at TAUMAX alone; under FRIC the law gives
   !! the shear of a sticking node.
-  pure real(DP) function find_shear_limit(law, area, pressure) result(most)
+  pure real(DP) function find_shear_limit(law, area, pressure, is_bilateral) result(most)
     type(interaction_type), intent(in) :: law
     real(DP), intent(in) :: area                   !< [length^2]
     real(DP), intent(in) :: pressure               !< [stress]
-    most = friction_limit(law%friction, max(pressure, 0.0_DP), law%shear_limit) * area
+    logical, intent(in) :: is_bilateral            !< the node bears tension (NO SEPARATION)
+    most = friction_limit(law%friction, max(pressure, 0.0_DP), law%shear_limit, is_bilateral) * area
     if (law%behavior == BEHAVIOR_TIED .or. law%is_user_friction) most = law%shear_limit * area
   end function find_shear_limit
 

@@ -26,6 +26,7 @@ module amontons_slave_node_equilibrium
     real(DP) :: slip(3) = 0                        !< e: trial elastic slip, all slip taken as elastic, tangential [length]
     real(DP) :: slip_rounding = 0                  !< a slip up to this is none: without pressure rounding would choose [length]
     real(DP) :: imbalance(3) = 0                   !< Rhat of the node [force]
+    logical :: is_bilateral = .false.              !< it bears tension (NO SEPARATION): the law acts at any gap
     real(DP) :: free(3, 3) = 0                     !< projector on the directions in which contact balances the imbalance [-]
   end type local_problem_type
 
@@ -68,6 +69,14 @@ contains
   end subroutine solve_local_problem
 
 
+  !> The largest gap at which the law acts at the node [length].
+  pure real(DP) function activation_gap_of(law, problem) result(reach)
+    type(interaction_type), intent(in) :: law
+    type(local_problem_type), intent(in) :: problem
+    reach = merge(huge(1.0_DP), find_activation_gap(law, problem%area), problem%is_bilateral)
+  end function activation_gap_of
+
+
   !> Force of the law at the actual position of the node.
   pure subroutine evaluate_law(law, problem, force, is_open)
     type(interaction_type), intent(in) :: law
@@ -76,11 +85,11 @@ contains
     logical, intent(out) :: is_open                !< outside the activation range of the law
     real(DP) :: p, slope, energy, length, shear
     force = 0.0_DP
-    is_open = -problem%overclosure > find_activation_gap(law, problem%area)
+    is_open = -problem%overclosure > activation_gap_of(law, problem)
     if (is_open) return
     call evaluate_pressure_overclosure(law, problem%overclosure, p, slope, energy)
     length = norm2(problem%slip)
-    shear = min(law%stick_slope * problem%area * length, find_shear_limit(law, problem%area, p))
+    shear = min(law%stick_slope * problem%area * length, find_shear_limit(law, problem%area, p, problem%is_bilateral))
     force = problem%area * p * problem%normal
     if (length > 0.0_DP) force = force - shear / length * problem%slip
   end subroutine evaluate_law
@@ -100,7 +109,7 @@ contains
     integer :: i
     logical :: is_reached
     gap_free_force = problem%overclosure + required_force / problem%stiffness   ! overclosure without any pressure
-    low = -find_activation_gap(law, problem%area)
+    low = -activation_gap_of(law, problem)
     is_reached = .true.
     if (low > -huge(1.0_DP)) then
       call evaluate_pressure_overclosure(law, low, p, slope, energy)
@@ -134,7 +143,7 @@ contains
     real(DP) :: trial(3), k, c, limit, length, q(3)
     k = law%stick_slope * problem%area
     c = merge(problem%stiffness, k, problem%stiffness > 0.0_DP)   ! no stiffness: the required force is that of the law, for any c
-    limit = find_shear_limit(law, problem%area, solution%pressure)
+    limit = find_shear_limit(law, problem%area, solution%pressure, problem%is_bilateral)
     solution%is_slipping = k <= 0.0_DP
     if (solution%is_slipping) then
       solution%slip = problem%slip
@@ -159,7 +168,7 @@ contains
     solution%d_force_d_slip = -limit * c / (length - limit) * (IDENTITY - outer_product(q, q))
     solution%law_linearization_force = matmul(solution%d_force_d_slip, problem%slip)
     if (law%behavior == BEHAVIOR_TIED .or. solution%pressure <= 0.0_DP .or. &
-      is_friction_capped(law%friction, solution%pressure, law%shear_limit)) return
+      is_friction_capped(law%friction, solution%pressure, law%shear_limit, problem%is_bilateral)) return
     solution%d_force_d_gap = law%friction * solution%slope * problem%area * q
     solution%law_linearization_force = solution%law_linearization_force - law%friction * excess * q
   end subroutine solve_shear

@@ -191,7 +191,8 @@ contains
     call table%reject_words('SCALE FACTOR|USER', 'Use HARD, which needs no stiffness.')
     call table%option('PENALTY|AUGMENTED LAGRANGE|DIRECT', VALUE_OPTIONAL_WORD, HARD_CONTACT_TEXT, allowed='LINEAR|NONLINEAR', &
       status=ENTRY_IGNORED)
-    call table%option('NO SEPARATION', VALUE_NONE, 'Surfaces that touch may always part again.', status=ENTRY_REJECTED)
+    call table%option('NO SEPARATION', VALUE_NONE, 'HARD: a node that touched at the end of an increment stays on its ' // &
+      'master, and bears tension; abaqus dialect.')
     call table%add_dialect_note('abaqus: HARD is exact; calculix: HARD is LINEAR with 50 E of the first material.')
 
     call table%card('FRICTION', SCOPE_BOTH, 'Coulomb friction; without this card the surfaces are frictionless.', &

@@ -157,7 +157,25 @@ contains
     end select
     if (has_row) has_row = next_row(reader%cards, row)
     if (has_row) call check_no_data(reader, row)
+    law%has_no_separation = has_parameter(parameters, 'NO SEPARATION')
+    if (law%has_no_separation) call check_no_separation(reader, reader%cards%cards(c)%line, &
+      parameter_word(parameters, 'PRESSURE-OVERCLOSURE', 'HARD'))
   end subroutine read_behavior
+
+
+  !> NO SEPARATION: of hard contact alone, as in Abaqus/Standard; CalculiX does not know it.
+  subroutine check_no_separation(reader, line, word)
+    type(reader_type), intent(inout) :: reader
+    integer, intent(in) :: line                  !< of the card
+    character(*), intent(in) :: word             !< PRESSURE-OVERCLOSURE
+    if (reader%dialect == DIALECT_CALCULIX) then
+      call report_error(reader, line, 'CalculiX does not know NO SEPARATION: put ''** dialect: abaqus'' at the top of the ' // &
+        'deck, or take PRESSURE-OVERCLOSURE=TIED, a spring in tension and compression.')
+    else if (word /= 'HARD') then
+      call report_error(reader, line, 'NO SEPARATION is of hard contact: ' // word // ' has no pressure in tension. Leave out ' // &
+        'PRESSURE-OVERCLOSURE, or take TIED, a spring in tension and compression.')
+    end if
+  end subroutine check_no_separation
 
 
   !> HARD as in CalculiX: LINEAR with 50 times Young's modulus of the first material, for its mortar pairs too.

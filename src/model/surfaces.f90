@@ -47,6 +47,7 @@ module amontons_surfaces
     real(DP), allocatable :: table_pressure(:)     !< TABULAR [stress]
     real(DP), allocatable :: table_overclosure(:)  !< TABULAR: ascending [length]
     real(DP) :: friction = 0                    !< mu [-]; 0 is frictionless
+    logical :: has_no_separation = .false.      !< HARD: a node that has touched stays on its master, in tension too
     logical :: is_penalty = .false.             !< LINEAR in place of exact contact, at dependent slave nodes
     real(DP) :: stick_slope = 0                 !< lambda of compliant laws: shear over elastic slip [stress/length]
     real(DP) :: shear_limit = NO_SHEAR_LIMIT    !< TAUMAX [stress]

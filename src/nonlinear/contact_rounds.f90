@@ -256,8 +256,8 @@ contains
     allocate (contact%held_normal_force(size(slaves)), source=0.0_DP)
     do s = 1, size(slaves)
       if (is_compliant(contact%laws(slaves(s)%pair))) cycle
-      if (slaves(s)%status /= STATUS_OPEN .or. rounds%is_augmented) &
-        contact%held_normal_force(s) = max(contact%slip_data(s)%N, 0.0_DP)
+      if (slaves(s)%status /= STATUS_OPEN .or. rounds%is_augmented) contact%held_normal_force(s) = &
+        merge(contact%slip_data(s)%N, max(contact%slip_data(s)%N, 0.0_DP), slaves(s)%is_bilateral)
       contact%held_friction(:, s) = slaves(s)%shear
       contact%held_limit(s) = merge(0.0_DP, contact%slip_data(s)%limit, slaves(s)%status == STATUS_OPEN)
       has_changed = rounds%is_augmented .and. slaves(s)%status /= STATUS_OPEN

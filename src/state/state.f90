@@ -39,6 +39,7 @@ module amontons_state
     real(DP) :: at(2) = 0                   !< of an integration point: natural coordinates on that facet [-]
     type(node_overrides_type) :: overrides  !< overrides imposed by the solver
     integer :: status = STATUS_OPEN         !< STATUS_OPEN, STATUS_STICK or STATUS_SLIP
+    logical :: is_bilateral = .false.       !< it was closed at the start of the increment under NO SEPARATION: it bears tension
     integer :: scenario = 0                 !< 1 to 4 of the last iteration that moved the node in this increment, else 0
     integer :: facet = 0                    !< master facet of its projection; 0: none
     real(DP) :: xi(2) = 0                   !< natural coordinates there

@@ -42,7 +42,7 @@ CHAPTERS = {
         "test_contact_patch", "test_hertz", "test_plane_contact", "test_partial_slip", "test_plane_friction", "test_circular_contact",
     ),
     "Contact: sliding, free bodies, several pairs": (
-        "test_sliding", "test_free_bodies", "test_loose_bodies", "test_shared_slave_nodes", "test_dependent_slaves",
+        "test_sliding", "test_free_bodies", "test_loose_bodies", "test_shared_slave_nodes", "test_dependent_slaves", "test_no_separation",
     ),
     "Rigid masters": ("test_analytic_masters", "test_rigid_masters", "test_rigid_elements"),
     "Surface-to-surface contact": ("test_mortar",),

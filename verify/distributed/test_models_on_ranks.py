@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from verify.cases.constraints.test_embedded_elements import bar, beam
+from verify.cases.contact.test_no_separation import blocks
+from verify.cases.contact.test_no_separation import deck as deck_of_blocks
 from verify.decks.beams import beam as beam_of_elements
 from verify.decks.beams import rectangle
 from verify.decks.shells import Shell, held, section, shell
@@ -50,6 +52,16 @@ def test_embedded_bars(tmp_path: Path, kind: str, solver: str) -> None:
     deck = cards + "*SOLID SECTION, ELSET=BODY, MATERIAL=CONCRETE\n" + bar(points) + "*EMBEDDED ELEMENT, HOST ELSET=BODY\nBAR\n"
     deck += FINITE + "*BOUNDARY\nLEFT, 1, 3\nRIGHT, 1, 1, 0.04\nRIGHT, 2, 2, 0.2\nRIGHT, 3, 3\n*END STEP\n"
     assert_equal_on_ranks(tmp_path, deck, ITERATED if solver else TOLERANCE, solver=solver)
+
+
+@pytest.mark.parametrize("kind", ["NODE TO SURFACE", "SURFACE TO SURFACE"])
+def test_surfaces_that_do_not_part(tmp_path: Path, kind: str) -> None:
+    """A cube that pulls at its table with its heel and presses it with its toe, with friction (finer criteria: fields follow the last iterate)."""
+    bodies = blocks((6, 4), margin=1.0)
+    cards = f"*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, NO SEPARATION\n*FRICTION\n0.8\n*CONTACT PAIR, INTERACTION=I, TYPE={kind}\nUP_W0, LOW_W1\n"
+    start = "*STEP, NLGEOM\n*STATIC\n0.5, 1.\n*CONTROLS, PARAMETERS=FIELD\n1e-10, 1e-10\n*BOUNDARY\n"
+    cards += f"{start}LOW_W0, 1, 3\nUP_W1, 1, 2\nUP_W1, 3, 3, -0.001\n*END STEP\n{start}UP_W1, 1, 1, 0.1\n*END STEP\n"
+    assert_equal_on_ranks(tmp_path, deck_of_blocks(bodies, cards), TOLERANCE)
 
 
 @pytest.mark.parametrize("kind", ["C3D8", "C3D10"])

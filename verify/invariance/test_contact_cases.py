@@ -147,6 +147,8 @@ CASES: dict[str, Callable[[], str]] = {
     "coarse side first": lambda: deck_of_case("contact.test_shared_slave_nodes", "test_coarse_side_first"),
     "lap of rings": lambda: deck_of_case("contact.test_plane_contact", "test_lap_of_rings"),
     "capstan": lambda: deck_of_case("contact.test_sliding", "test_capstan"),
+    "no separation": lambda: deck_of_case("contact.test_no_separation", "test_friction_of_a_dragged_block", kind="surfaces"),
+    "heel in tension": lambda: deck_of_case("contact.test_no_separation", "test_heel_in_tension", kind="nodes", solver=""),
     "block dragged at once": lambda: deck_of_case("contact.test_sliding", "test_dragged_at_once", what="block", make=contact_table.drag, mu=0.3, steps=2),
     "cylinder dragged at once": lambda: deck_of_case("contact.test_sliding", "test_dragged_at_once", what="cylinder", make=contact_table.cylinder, mu=1.0, steps=3),
     "cubes under a law": lambda: deck_of_case("contact.test_sliding", "test_cubes_under_a_law", slope=1e8, stick=1e7),

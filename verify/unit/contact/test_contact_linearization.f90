@@ -7,7 +7,7 @@ program test_contact_linearization
   use amontons_mesh, only: mesh_type, finalize_mesh
   use amontons_model, only: model_type
   use amontons_surfaces, only: interaction_type, surface_type, BEHAVIOR_HARD, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, &
-    BEHAVIOR_TABULAR, BEHAVIOR_TIED
+    BEHAVIOR_TABULAR, BEHAVIOR_TIED, ROUGH_FRICTION
   use amontons_steps, only: step_type, TANGENT_EXACT, TANGENT_SYMMETRIC, TANGENT_LAGGED
   use amontons_state, only: state_type, slave_state_type, STATUS_OPEN, STATUS_STICK, STATUS_SLIP
   use amontons_constraints, only: condense_forces
@@ -68,6 +68,14 @@ contains
     call check_tangent('tabular', 0.15_DP, 0.3_DP, .true., .false., law)
     law = interaction_type(behavior=BEHAVIOR_TIED, stiffness=300.0_DP, stick_slope=120.0_DP, shear_limit=6.0_DP)
     call check_tangent('tied', 0.15_DP, 0.3_DP, .true., .false., law)
+    law = interaction_type(has_no_separation=.true.)
+    call check_tangent('no separation', 0.15_DP, 0.4_DP, .true., .false., law)
+    call check_tangent('no separation, mortar', 0.15_DP, 0.4_DP, .true., .false., law, shared=3)
+    law%shear_limit = 0.4_DP
+    call check_tangent('no separation, rough', 0.15_DP, ROUGH_FRICTION, .true., .false., law)
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=500.0_DP, stick_slope=500.0_DP, has_no_separation=.true., &
+      is_penalty=.true.)
+    call check_tangent('no separation, penalty', 0.15_DP, 4.0_DP, .true., .false., law)
   end subroutine check_laws
 
 
@@ -169,7 +177,8 @@ contains
         if (slave%status == STATUS_OPEN) cycle
         slave%status = merge(STATUS_STICK, STATUS_SLIP, mod(s, 3) == 0)
         slave%stiffness = stiffness
-        if (.not. present(plane)) u(:, slave%node) = u(:, slave%node) + [0.05_DP, 0.03_DP, -0.01_DP]
+        if (.not. present(plane)) u(:, slave%node) = u(:, slave%node) + [0.05_DP, 0.03_DP, merge(0.035_DP, -0.01_DP, &
+          model%interactions(1)%is_penalty)]
       end associate
     end do
     if (present(plane)) u(1, model%surfaces(1)%nodes) = u(1, model%surfaces(1)%nodes) + 0.05_DP
@@ -184,6 +193,12 @@ contains
       if (shared == 6) call suite%that(name // ': within the cone of the crease', is_within_cone(system, model, u))
       if (shared == 2) call suite%that(name // ': a node touches twice', any([(has_other_constraints(system%contact, s), &
         s=1, size(state%new%slaves))]))
+    end if
+    if (model%interactions(1)%has_no_separation) then
+      associate (N => [(dot_product(state%new%slaves(s)%force, state%new%slaves(s)%normal), s=1, size(state%new%slaves))])
+        call suite%that(name // ': pressed and pulled', any(N > 0.1_DP .and. state%new%slaves%status == STATUS_SLIP) .and. &
+          any(N < -0.1_DP .and. state%new%slaves%status == STATUS_SLIP))
+      end associate
     end if
     call suite%that(name // ': sticking nodes', count(state%new%slaves%status == STATUS_STICK) > merge(0, 1, present(shared)))
     call suite%that(name // ': slipping nodes', count(state%new%slaves%status == STATUS_SLIP) > 2)

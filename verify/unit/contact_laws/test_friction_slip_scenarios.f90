@@ -2,18 +2,19 @@
 !! SPDX-License-Identifier: GPL-3.0-or-later
 program test_friction_slip_scenarios
   use amontons_kinds, only: DP, PI
+  use amontons_surfaces, only: ROUGH_FRICTION
   use amontons_friction_slip_scenarios, only: trial_traction_type, slip_state_type, slip_controls_type, slip_result_type, &
     split_nodal_imbalance, &
     evaluate_trial_traction, friction_limit, is_friction_capped, classify_slip_scenarios, find_bounded_step_length, STATUS_OPEN, &
-    STATUS_STICK, &
-    STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, &
-    SCENARIO_IV, NO_FRICTION_LIMIT
+    STATUS_STICK, STATUS_SLIP, STATUS_BALANCED, STATUS_OPENS, STATUS_CLOSES, SCENARIO_NONE, SCENARIO_I, SCENARIO_II, SCENARIO_III, &
+    SCENARIO_IV, NO_FRICTION_LIMIT, CONTACT_OPEN, CONTACT_CLOSED, CONTACT_KEPT
   use check, only: suite_type
   implicit none
   type(suite_type) :: suite
   real(DP), parameter :: MU = 0.3_DP
   call check_split(suite)
   call check_trial(suite)
+  call check_bilateral(suite)
   call check_rows_by_number(suite)
   call check_rows_in_all_directions(suite)
   call check_linear_node(suite)
@@ -43,39 +44,74 @@ contains
     type(suite_type), intent(inout) :: suite
     type(trial_traction_type) :: trial
     real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0, C = 10
-    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, CONTACT_CLOSED, 1.0e3_DP, trial)
     call suite%that('pressed, small shear: stick', trial%status == STATUS_STICK)
     call suite%near('sigma = N', trial%sigma, 10.0_DP, 1.0e-14_DP)
     call suite%near('tau = -Rt', norm2(trial%tau - [-2.0_DP, 0.0_DP, 0.0_DP]), 0.0_DP, 1.0e-14_DP)
-    call evaluate_trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([4.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, CONTACT_CLOSED, 1.0e3_DP, trial)
     call suite%that('pressed, large shear: slip', trial%status == STATUS_SLIP)
     call suite%near('friction against the drive', trial%direction(1), -1.0_DP, 1.0e-14_DP)
-    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, &
-      trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [0.05_DP, 0.0_DP, 7.0_DP], NORMAL, MU, C, CONTACT_CLOSED, &
+      1.0e3_DP, trial)
     call suite%near('tau = -Rt - c P g', trial%tau(1), -2.5_DP, 1.0e-14_DP)
     call suite%near('the normal part of g does not count', trial%tau(3), 0.0_DP, 1.0e-14_DP)
     call suite%that('still stick', trial%status == STATUS_STICK)
-    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .true., 1.0e3_DP, &
-      trial)
+    call evaluate_trial_traction([2.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, [-0.06_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, CONTACT_CLOSED, &
+      1.0e3_DP, trial)
     call suite%that('slip against the drive goes back to stick', trial%status == STATUS_STICK)
-    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.9_DP, NONE, NORMAL, MU, C, CONTACT_CLOSED, 1.0e3_DP, trial)
     call suite%near('sigma = N - c g', trial%sigma, 1.0_DP, 1.0e-14_DP)
-    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 1.0_DP, NONE, NORMAL, MU, C, CONTACT_CLOSED, 1.0e3_DP, trial)
     call suite%that('sigma = 0 is open', trial%status == STATUS_OPEN)
-    call evaluate_trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, CONTACT_CLOSED, 1.0e3_DP, trial)
     call suite%that('tension opens', trial%status == STATUS_OPEN)
-    call evaluate_trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, -10.0_DP], 0.01_DP, NONE, NORMAL, MU, C, CONTACT_OPEN, 1.0e3_DP, trial)
     call suite%that('an open node with a gap stays open whatever its imbalance', trial%status == STATUS_OPEN)
-    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, C, .false., 1.0e3_DP, trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, NONE, NORMAL, MU, C, CONTACT_OPEN, 1.0e3_DP, trial)
     call suite%that('an open node that penetrates closes, as stick', trial%status == STATUS_STICK)
     call suite%near('its sigma', trial%sigma, 0.1_DP, 1.0e-14_DP)
-    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, .false., 1.0e3_DP, &
-      trial)
+    call evaluate_trial_traction([5.0_DP, 0.0_DP, 3.0_DP], -0.01_DP, [0.1_DP, 0.0_DP, 0.0_DP], NORMAL, MU, C, CONTACT_OPEN, &
+      1.0e3_DP, trial)
     call suite%that('or as slip if it slid since it touched', trial%status == STATUS_SLIP .and. trial%direction(1) < 0)
-    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, 0.0_DP, 10.0_DP, .true., 1.0e3_DP, trial)
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, 0.0_DP, C, CONTACT_CLOSED, 1.0e3_DP, trial)
     call suite%that('without friction a closed node slips', &
       trial%status == STATUS_SLIP .and. norm2(trial%direction) <= 0)
   end subroutine check_trial
+
+
+  !> A node that bears tension: closed at any sigma; in tension it slips without friction, with ROUGH it sticks. Compression is as
+  !! of any node. It has no status OPENS.
+  subroutine check_bilateral(suite)
+    type(suite_type), intent(inout) :: suite
+    type(trial_traction_type) :: trial, unilateral
+    type(slip_state_type) :: u
+    type(slip_result_type) :: verdict
+    real(DP), parameter :: NORMAL(3) = [0.0_DP, 0.0_DP, 1.0_DP], NONE(3) = 0, C = 10, CAP = 5
+    real(DP), parameter :: SHEAR(2) = [2.0_DP, 4.0_DP]
+    integer :: i
+    call evaluate_trial_traction([0.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, MU, C, CONTACT_KEPT, CAP, trial)
+    call suite%that('bilateral: tension slips, without shear too', trial%status == STATUS_SLIP)
+    call suite%near('bilateral: its sigma', trial%sigma, -1.0_DP, 0.0_DP)
+    call evaluate_trial_traction([4.0_DP, 0.0_DP, 1.0_DP], 0.5_DP, NONE, NORMAL, ROUGH_FRICTION, C, CONTACT_KEPT, CAP, trial)
+    call suite%that('bilateral: ROUGH sticks in tension', trial%status == STATUS_STICK)
+    call evaluate_trial_traction([6.0_DP, 0.0_DP, 1.0_DP], 0.0_DP, NONE, NORMAL, ROUGH_FRICTION, C, CONTACT_KEPT, CAP, trial)
+    call suite%that('bilateral: ROUGH slips at TAUMAX A', trial%status == STATUS_SLIP)
+    do i = 1, size(SHEAR)
+      call evaluate_trial_traction([SHEAR(i), 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, CONTACT_KEPT, CAP, trial)
+      call evaluate_trial_traction([SHEAR(i), 0.0_DP, -10.0_DP], 0.0_DP, NONE, NORMAL, MU, C, CONTACT_CLOSED, CAP, unilateral)
+      call suite%that('bilateral: compression as of any node', trial%status == unilateral%status)
+    end do
+    call suite%that('bilateral: limits', norm2(friction_limit([MU, MU, MU, ROUGH_FRICTION, ROUGH_FRICTION, 0.0_DP], [-1.0_DP, &
+      10.0_DP, 20.0_DP, -1.0_DP, 1.0_DP, -1.0_DP], CAP, .true.) - [0.0_DP, 3.0_DP, 5.0_DP, 5.0_DP, 5.0_DP, 0.0_DP]) <= 0.0_DP)
+    call suite%that('bilateral: limits that are constant', all(is_friction_capped([MU, MU, MU, ROUGH_FRICTION], [-1.0_DP, &
+      10.0_DP, 20.0_DP, -1.0_DP], CAP, .true.) .eqv. [.true., .false., .true., .true.]))
+    u = slip_state_type(STATUS_SLIP, -1.0_DP, [2.0_DP, 0.0_DP, 0.0_DP], 0.0_DP, [0.1_DP, 0.0_DP, 0.0_DP])
+    call classify(u, u, [0.1_DP, 0.0_DP, 0.0_DP], verdict)
+    call suite%that('bilateral: another node in tension opens', verdict%status == STATUS_OPENS)
+    u%is_bilateral = .true.
+    call classify(u, u, [0.1_DP, 0.0_DP, 0.0_DP], verdict)
+    call expect(suite, 'bilateral: not enough slip', verdict, SCENARIO_II, 1.0_DP)
+  end subroutine check_bilateral
 
 
   !> The four rows with numbers from the formulas: mu N = 3 in both configurations, angles of 60 degrees.
@@ -365,9 +401,9 @@ contains
     call suite%that('limit: is capped', all(is_friction_capped(MU, [10.0_DP, 20.0_DP], 5.0_DP) .eqv. [.false., .true.]))
     call suite%near('limit: a straight line below N = 0', friction_limit(MU, -10.0_DP, 5.0_DP), -3.0_DP, 1.0e-15_DP)
     call suite%near('limit: of stresses', 4 * friction_limit(MU, 20.0_DP / 4, 5.0_DP / 4), 5.0_DP, 1.0e-15_DP)
-    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 1.01_DP, trial)
+    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, CONTACT_CLOSED, 1.01_DP, trial)
     call suite%that('limit: below TAUMAX A it sticks', trial%status == STATUS_STICK)
-    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, .true., 0.99_DP, trial)
+    call evaluate_trial_traction(PULL, 0.0_DP, NONE, NORMAL, MU, 10.0_DP, CONTACT_CLOSED, 0.99_DP, trial)
     call suite%that('limit: above it slips', trial%status == STATUS_SLIP)
   end subroutine check_limit
 

@@ -4,7 +4,8 @@
 program test_slave_node_equilibrium
   use amontons_kinds, only: DP
   use amontons_tensor, only: outer_product, IDENTITY
-  use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED
+  use amontons_surfaces, only: interaction_type, BEHAVIOR_LINEAR, BEHAVIOR_EXPONENTIAL, BEHAVIOR_TABULAR, BEHAVIOR_TIED, &
+    ROUGH_FRICTION
   use amontons_pressure_overclosure, only: evaluate_pressure_overclosure, find_activation_gap
   use amontons_slave_node_equilibrium, only: local_solution_type, local_problem_type, solve_local_problem
   use check, only: suite_type
@@ -28,6 +29,7 @@ program test_slave_node_equilibrium
   call check_equilibrium()
   call check_elsewhere()
   call check_iterations()
+  call check_bilateral()
   call suite%finish()
 
 contains
@@ -177,6 +179,39 @@ contains
       call suite%near('iterations: count', real(n_done, DP), real(N_ITERATIONS(i), DP), 0.0_DP)
     end do
   end subroutine check_iterations
+
+
+  !> A node that bears tension: LINEAR without a tension of its own is K h at any gap, in equilibrium with the body too; friction is
+  !! that of compression, with ROUGH without limit.
+  subroutine check_bilateral()
+    real(DP), parameter :: AT(3) = [-0.3_DP, -1.0e-3_DP, 0.2_DP], SLIP(3) = [0.3_DP, 0.4_DP, 0.0_DP]
+    type(interaction_type) :: law
+    type(local_problem_type) :: problem
+    type(local_solution_type) :: solution, elsewhere
+    integer :: i
+    law = interaction_type(behavior=BEHAVIOR_LINEAR, stiffness=20.0_DP, stick_slope=20.0_DP, friction=0.4_DP)
+    do i = 1, size(AT)
+      problem = place(law, AT(i), SLIP)
+      call solve_local_problem(law, problem, solution)
+      call suite%that('bilateral: else it opens', solution%is_open .eqv. AT(i) < 0.0_DP)
+      problem%is_bilateral = .true.
+      call solve_local_problem(law, problem, solution)
+      call suite%near('bilateral: pressure', solution%pressure, 20.0_DP * AT(i), 1.0e-14_DP)
+      call suite%near('bilateral: shear', norm2(solution%shear), 0.4_DP * 20.0_DP * max(AT(i), 0.0_DP) * problem%area, 1.0e-14_DP)
+      problem%stiffness = 3.0_DP
+      problem%free = IDENTITY
+      problem%imbalance = [0.0_DP, 0.0_DP, 1.0_DP]
+      call solve_local_problem(law, problem, elsewhere)
+      call suite%near('bilateral: A p = N + c (h - h'')', elsewhere%pressure * problem%area, -1.0_DP + 3.0_DP * (AT(i) - &
+        elsewhere%pressure / 20.0_DP), 1.0e-12_DP)
+    end do
+    law%friction = ROUGH_FRICTION
+    problem = place(law, -0.3_DP, SLIP)
+    problem%is_bilateral = .true.
+    call solve_local_problem(law, problem, solution)
+    call suite%that('bilateral: ROUGH sticks in tension', .not. solution%is_slipping)
+    call suite%near('bilateral: its shear', norm2(solution%shear + 20.0_DP * problem%area * SLIP), 0.0_DP, 1.0e-14_DP)
+  end subroutine check_bilateral
 
 
   !> A node with an overclosure and a slip, on a plane along x and y; without stiffness.

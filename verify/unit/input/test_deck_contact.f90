@@ -19,6 +19,7 @@ program test_deck_contact
   character(*), parameter :: BEHAVIOR = '*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE='
   type(suite_type) :: suite
   call check_hard()
+  call check_no_separation()
   call check_linear()
   call check_tables()
   call check_friction()
@@ -47,6 +48,22 @@ contains
     call expect_message('*MATERIAL, NAME=R;*ELASTIC;10.,0.;*ELSET, ELSET=R;2;*SOLID SECTION, ELSET=R, MATERIAL=R;' // LAW // &
       BEHAVIOR // 'HARD;', 'Bodies pull at each other by up to 1', DIALECT_CALCULIX, is_note=.true.)
   end subroutine check_hard
+
+
+  !> NO SEPARATION of hard contact, until a step lets surfaces part; no other law has it.
+  subroutine check_no_separation()
+    type(model_type) :: model
+    character(*), parameter :: KEPT = '*SURFACE BEHAVIOR, NO SEPARATION'
+    call expect_read(LAW // KEPT // ';', model)
+    call suite%that('no separation', model%interactions(1)%has_no_separation .and. model%interactions(1)%behavior == BEHAVIOR_HARD)
+    call expect_read(LAW // KEPT // ', PRESSURE-OVERCLOSURE=HARD, PENALTY;', model)
+    call suite%that('as Abaqus/CAE writes it', model%interactions(1)%has_no_separation)
+    call expect_read(LAW // '*SURFACE BEHAVIOR;', model)
+    call suite%that('not by default', .not. model%interactions(1)%has_no_separation)
+    call expect_message(LAW // KEPT // ', PRESSURE-OVERCLOSURE=LINEAR;9.;', 'LINEAR has no pressure in tension')
+    call expect_message(LAW // KEPT // ', PRESSURE-OVERCLOSURE=EXPONENTIAL;.1,9.;', 'EXPONENTIAL has no pressure in tension')
+    call expect_message(LAW // KEPT // ';', 'CalculiX does not know NO SEPARATION', DIALECT_CALCULIX)
+  end subroutine check_no_separation
 
 
   !> LINEAR and TIED: numbers, and what is taken where they are missing.
