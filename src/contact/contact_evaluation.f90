@@ -79,8 +79,8 @@ contains
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) /= level) cycle
-        call evaluate_slave(contact, model, old%slaves(s), old%u, x, (is_frozen .and. .not. has_no_direction(contact, &
-          old%slaves(s), fields%slaves(s))) .or. is_status_imposed(fields%slaves(s)%overrides), s, fields)
+        call evaluate_slave(contact, model, old%slaves(s), old%u, x, is_frozen .or. &
+          is_status_imposed(fields%slaves(s)%overrides), s, fields)
       end do
       do s = 1, size(fields%slaves)
         if (contact%shared_slaves%level(s) == level) call add_contact_force(contact, s, fields%slaves(s), fields%contact_force)
@@ -89,17 +89,6 @@ contains
     end do
     if (.not. is_linearized) call measure_clearances(contact, fields%slaves, x)
   end subroutine evaluate_contact
-
-
-  !> Whether a slave node hung on its master without friction: as slipping it would have friction in no direction where the start of
-  !! an increment presses it, so that its trial traction decides between stick and slip.
-  pure logical function has_no_direction(contact, old, slave)
-    type(contact_type), intent(in) :: contact
-    type(slave_state_type), intent(in) :: old      !< committed
-    type(slave_state_type), intent(in) :: slave
-    has_no_direction = slave%is_bilateral .and. old%status == STATUS_SLIP .and. .not. (norm2(old%shear) > 0.0_DP .or. &
-      allocated(contact%held_friction))
-  end function has_no_direction
 
 
   !> The imbalance that the contact force of a slave node balances: for a sticking node that of its origin's row.
@@ -150,7 +139,7 @@ contains
       if (slave%facet > 0 .and. is_compliant(contact%laws(slave%pair))) then
         call evaluate_compliant_node(contact, model, old, u_old, contact%Rhat(:, s), s, fields)
       else
-        call evaluate_hard_node(contact, model, u_old, is_frozen, status_before, s, fields)
+        call evaluate_hard_node(contact, model, old, u_old, is_frozen, status_before, s, fields)
       end if
     end associate
   end subroutine evaluate_slave
@@ -158,9 +147,10 @@ contains
 
   !> A slave node of exact contact: its status by the trial traction in the directions that supports and other pairs leave free, its
   !! force from its imbalance. Theory: doc/theory/contact.md, section 3.
-  subroutine evaluate_hard_node(contact, model, u_old, is_frozen, status_before, s, fields)
+  subroutine evaluate_hard_node(contact, model, old, u_old, is_frozen, status_before, s, fields)
     type(contact_type), intent(inout) :: contact
     type(model_type), intent(in) :: model
+    type(slave_state_type), intent(in) :: old
     real(DP), intent(in) :: u_old(:, :)            !< (3, n_nodes) committed displacements [length]
     logical, intent(in) :: is_frozen               !< it keeps its status
     integer, intent(in) :: status_before                  !< status before
@@ -212,11 +202,11 @@ contains
       real(DP) :: gap, limit(2)
       limit = deciding_limit(contact, s, status_before, mu, shear_limit_force)
       associate (slave => fields%slaves(s))
-        gap = slave%gap
-        gap = gap + merge(TOL_CLOSING, -TOL_OPENING, status_before == STATUS_OPEN) * contact%edge(slave%pair)
+        gap = slave%gap + merge(TOL_CLOSING, -TOL_OPENING, status_before == STATUS_OPEN) * contact%edge(slave%pair)
         call evaluate_trial_traction(Rhat, gap, d, free_normal, limit(1), slave%stiffness, merge(CONTACT_KEPT, &
           merge(CONTACT_OPEN, CONTACT_CLOSED, status_before == STATUS_OPEN), slave%is_bilateral), limit(2), trial)
         slave%status = merge(status_before, trial%status, is_frozen)
+        if (has_no_direction(contact, old, slave) .and. trial%status == STATUS_STICK) slave%status = STATUS_STICK
         if (slave%overrides%status == NODE_OVERRIDE_STICK_ONCE .and. trial%status /= STATUS_STICK) &
           contact%n_imposed = contact%n_imposed + 1
       end associate
@@ -242,12 +232,22 @@ contains
         end if
         if (slave%status == STATUS_STICK .and. has_other_constraints(contact, s)) slave%shear = -Rhat - N * free_normal
         contact%slip_data(s) = slip_state_type(slave%status, N, Rhat + N * free_normal, limit_of(contact, slave, s, &
-          N / free_share), &
-          slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair), slave%is_bilateral)
+          N / free_share), slave%slip_increment, SLIP_ZERO * contact%edge(slave%pair), slave%is_bilateral)
       end associate
     end subroutine set_forces
 
   end subroutine evaluate_hard_node
+
+
+  !> Whether a slipping node bore no friction at the start of the increment (in tension, or without a coefficient): where it has
+  !! some now, it has no direction of slip to keep while statuses are frozen.
+  pure logical function has_no_direction(contact, old, slave)
+    type(contact_type), intent(in) :: contact
+    type(slave_state_type), intent(in) :: old      !< committed
+    type(slave_state_type), intent(in) :: slave
+    has_no_direction = slave%status == STATUS_SLIP .and. old%status == STATUS_SLIP .and. .not. (norm2(old%shear) > 0.0_DP .or. &
+      is_status_imposed(slave%overrides) .or. allocated(contact%held_friction) .or. contact%laws(slave%pair)%is_user_friction)
+  end function has_no_direction
 
 
   !> Augmented Lagrangian: the force at the start of the round and the spring c, shortened to what the laws admit under a constant

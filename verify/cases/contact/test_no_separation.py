@@ -245,6 +245,19 @@ def test_both_sides_are_slaves(run_deck: Run, tmp_path: Path) -> None:
     assert answer.force()[2] == pytest.approx(one.fields["RF"][-1][one.place[:, 2] < -0.9][:, 2].sum(), rel=1e-6)
 
 
+@pytest.mark.parametrize("behavior", [BONDED, ""], ids=["kept", "free to part"])
+def test_friction_from_a_step_on(run_deck: Run, tmp_path: Path, behavior: str) -> None:
+    """A block that slipped without friction gets it in a step: it sticks at once. As slipping it had friction in a direction of rounding, so that
+    the matrix was singular in all attempts."""
+    cards = pair("nodes", "*FRICTION\n0.\n", behavior)
+    cards += step(fix("LOW, 1, 3", "UP_W1, 1, 2") + f"*DSLOAD\nUP_W1, P, {PRESSED}\n", 2)
+    cards += step(f"*CHANGE FRICTION, INTERACTION=I\n{COULOMB}*DSLOAD\nUP_W1, P, {PULLED}\n", 2)
+    answer = solved(run_deck, tmp_path, blocks((6, 3), 0.25, margin=1.0), cards, elastic=f"*ELASTIC\n{YOUNG}, 0.\n")
+    assert answer.n_failed == 0
+    assert set(answer.at_foot("CSTATUS").tolist()) == {1}
+    assert answer.force() == pytest.approx([0.0, 0.0, PULLED], abs=1e-5)
+
+
 def test_self_contact(run_deck: Run, tmp_path: Path) -> None:
     """The faces of both blocks as one surface in contact with itself."""
     low, up = blocks((3, 3))
