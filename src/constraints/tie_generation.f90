@@ -4,7 +4,7 @@ module amontons_tie_generation
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_tensor, only: cross_product, invert, IDENTITY
-  use amontons_text, only: to_text
+  use amontons_text, only: to_text, plural, NEWLINE
   use amontons_element_kinds, only: element_kind_type, element_kind, MAX_FACE_NODES, is_of_revolution
   use amontons_tributary_areas, only: integrate_nodal_areas, out_of_plane_depth
   use amontons_loads, only: equation_type, equation_list_type
@@ -14,7 +14,7 @@ module amontons_tie_generation
   use amontons_model, only: model_type, new_equation
   use amontons_shape_functions, only: facet_shapes
   use amontons_shell_edge_coupling, only: couple_shell_edge
-  use amontons_structural_data, only: following_nodes
+  use amontons_structural_data, only: following_nodes, expanded_nodes
   use amontons_facets, only: facets_type, build_facets, facet_nodes
   use amontons_facet_search, only: facet_search_type, build_facet_search
   use amontons_surface_projection, only: projection_type, find_projection, evaluate_facet_point, find_facet_distance, &
@@ -24,6 +24,7 @@ module amontons_tie_generation
   public :: generate_ties
 
   real(DP), parameter :: TOL_TIE_DISTANCE = 0.025_DP  !< position tolerance over the mean edge of a facet [-]
+  real(DP), parameter :: TOL_NODAL_TIE_DISTANCE = 0.05_DP  !< of a master of nodes: over the mean distance of neighbours [-]
   real(DP), parameter :: TOL_TIE_ROUNDING = 1.0e-9_DP   !< of a distance, over the edge of the facet [-]
   real(DP), parameter :: TOL_CYCLIC_MATCH = 1.0e-3_DP   !< matching tolerance of a sector, over the extent of its dependent side [-]
 
@@ -47,6 +48,8 @@ contains
           call convert_cyclic_symmetry(model, mesh, model%ties(i), list, error)
         else if (model%ties(i)%is_shell_edge) then
           call couple_shell_edge(model, model%ties(i), mesh, list, text, error)
+        else if (model%surfaces(model%ties(i)%master)%is_node_based) then
+          call convert_nodal_tie(model, model%ties(i), mesh, list, text, error)
         else
           call convert_tie(model, model%ties(i), mesh, list, error)
         end if
@@ -105,6 +108,109 @@ contains
     if (n_tied == 0) call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave ' // &
       'surface is within POSITION TOLERANCE of the master surface.')
   end subroutine convert_tie
+
+
+  !> Ties the slave nodes to the nearest nodes of a master that is made of nodes: u = u_i, of equally near ones the node with the
+  !! lowest label. A warning counts the slave nodes that are not tied. Cost: slave nodes times master nodes.
+  subroutine convert_nodal_tie(model, tie, mesh, equations, text, error)
+    type(model_type), intent(in) :: model
+    type(tie_type), intent(in) :: tie
+    type(mesh_type), intent(inout) :: mesh         !< out: slave nodes moved to their masters
+    type(equation_list_type), intent(inout) :: equations
+    character(:), allocatable, intent(inout) :: text   !< warnings so far
+    type(error_type), allocatable, intent(out) :: error
+    real(DP), allocatable :: x(:, :)
+    real(DP) :: tolerance_length, distance, nearest_untied
+    logical :: is_master(size(mesh%coordinates, 2)), follows(size(mesh%coordinates, 2))
+    integer :: i, k, node, n_tied, n_slaves
+    x = mesh%coordinates
+    is_master = .false.
+    is_master(model%surfaces(tie%master)%nodes) = .true.
+    follows = following_nodes(model%structure, size(follows))
+    n_tied = 0
+    n_slaves = 0
+    nearest_untied = huge(1.0_DP)
+    associate (slaves => model%surfaces(tie%slave)%nodes, masters => model%surfaces(tie%master)%nodes)
+      tolerance_length = tie%tolerance
+      if (tie%tolerance < 0.0_DP) tolerance_length = TOL_NODAL_TIE_DISTANCE * mean_spacing(x(:, masters))
+      do i = 1, size(slaves)
+        if (is_master(slaves(i)) .or. follows(slaves(i))) cycle   ! a common node of both surfaces needs no tie
+        n_slaves = n_slaves + 1
+        call find_nearest_node(x, masters, mesh%node_label, x(:, slaves(i)), node, distance)
+        if (distance > tolerance_length + TOL_TIE_ROUNDING * norm2(x(:, node))) then
+          nearest_untied = min(nearest_untied, distance)
+          cycle
+        end if
+        n_tied = n_tied + 1
+        if (have_both_rotations(model, slaves(i), node)) then
+          call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties node ' // to_text(mesh%node_label(slaves(i))) // &
+            ' to node ' // to_text(mesh%node_label(node)) // ', both of shells or beams: their displacements are tied here, ' // &
+            'not their rotations. Write *MPC, TIE for two nodes at one place, or *COUPLING with *KINEMATIC, 1, 6.')
+          return
+        end if
+        if (tie%is_adjusted) mesh%coordinates(:, slaves(i)) = x(:, node)
+        do k = 1, 3
+          call equations%add(new_equation([slaves(i), node], [k, k], [1.0_DP, -1.0_DP], 'TIE', tie%line))
+        end do
+      end do
+    end associate
+    if (n_tied == n_slaves) return
+    if (n_tied == 0) then
+      call set_error(error, EXIT_SETUP, 'The *TIE ' // tie%name // ' ties no node: none of the slave surface is within ' // &
+        'POSITION TOLERANCE (' // to_text(tolerance_length) // ') of a node of the master surface; the nearest one is ' // &
+        to_text(nearest_untied) // ' away.')
+      return
+    end if
+    if (text /= '') text = text // NEWLINE
+    text = text // 'The *TIE ' // tie%name // ' ties ' // to_text(n_tied) // ' of ' // plural(n_slaves, 'slave node') // &
+      ' to nodes of its master; the next one is ' // to_text(nearest_untied) // ' away, farther than POSITION TOLERANCE (' // &
+      to_text(tolerance_length) // ').'
+  end subroutine convert_nodal_tie
+
+
+  !> The node nearest to a point; of those at the same distance but for rounding that with the lowest label.
+  pure subroutine find_nearest_node(x, nodes, label, point, node, distance)
+    real(DP), intent(in) :: x(:, :)                !< (3, n_nodes) [length]
+    integer, intent(in) :: nodes(:)                !< to choose from, at least one
+    integer, intent(in) :: label(:)                !< (n_nodes)
+    real(DP), intent(in) :: point(3)               !< [length]
+    integer, intent(out) :: node
+    real(DP), intent(out) :: distance              !< [length]
+    real(DP) :: distances(size(nodes))
+    integer :: i
+    do i = 1, size(nodes)
+      distances(i) = norm2(x(:, nodes(i)) - point)
+    end do
+    distance = minval(distances)
+    i = minloc(label(nodes), mask=distances <= distance * (1.0_DP + TOL_TIE_ROUNDING), dim=1)
+    node = nodes(i)
+  end subroutine find_nearest_node
+
+
+  !> The mean distance of nodes from the nearest other one [length]; 0 for a single node.
+  pure real(DP) function mean_spacing(x) result(spacing)
+    real(DP), intent(in) :: x(:, :)                !< (3, n) [length]
+    real(DP) :: nearest
+    integer :: i, j
+    spacing = 0.0_DP
+    do i = 1, size(x, 2)
+      nearest = huge(1.0_DP)
+      do j = 1, size(x, 2)
+        if (j /= i) nearest = min(nearest, norm2(x(:, j) - x(:, i)))
+      end do
+      if (nearest < huge(1.0_DP)) spacing = spacing + nearest / real(size(x, 2), DP)
+    end do
+  end function mean_spacing
+
+
+  !> Whether both nodes belong to shells or beams.
+  pure logical function have_both_rotations(model, a, b) result(have)
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: a, b
+    have = .false.
+    if (allocated(model%structure)) have = size(expanded_nodes(model%structure, [a])) > 1 .and. &
+      size(expanded_nodes(model%structure, [b])) > 1
+  end function have_both_rotations
 
 
   !> The three equations of one tied node.

@@ -416,10 +416,10 @@ contains
     call table%option('CYCLIC SYMMETRY', VALUE_NONE, 'Couple the whole surface.', status=ENTRY_REJECTED)
 
     call table%card('TIE', SCOPE_MODEL, 'Makes two surfaces one: the nodes of the slave stay where they are on the faces ' // &
-      'of the master.', data='slave surface, master surface')
+      'of the master; of a master of nodes (abaqus dialect) they move with the nearest one.', data='slave surface, master surface')
     call table%option('NAME', VALUE_NAME, 'A name.', default='required')
     call table%option('POSITION TOLERANCE', VALUE_REAL, 'Nodes farther from the master are not tied.', &
-      default='2.5 % of the mean edge of the master''s faces')
+      default='2.5 % of the mean edge of the master''s faces, 5 % of the mean distance of its nodes')
     call table%option('ADJUST', VALUE_WORD, 'Moves tied nodes onto the master before the start.', allowed='YES|NO', &
       default='YES')
     call table%option('CYCLIC SYMMETRY', VALUE_NONE, 'The slave side moves as the master side, turned by the angle of a ' // &

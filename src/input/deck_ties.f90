@@ -8,6 +8,7 @@ module amontons_deck_ties
   use amontons_kinds, only: DP
   use amontons_model, only: model_type, DIALECT_CALCULIX
   use amontons_mpc_data, only: tie_type
+  use amontons_surfaces, only: surface_type
   use amontons_text, only: to_text, parse_real, NUMBER_OK
   implicit none
   private
@@ -25,6 +26,7 @@ contains
     type(tie_type) :: common
     call open_tie(reader, c, 'NAME', parameters, row, common)
     common%is_cyclic = has_parameter(parameters, 'CYCLIC SYMMETRY')
+    common%may_be_nodal = .true.
     common%is_adjusted = parameter_word(parameters, 'ADJUST', 'YES') == 'YES'
     call add_ties(reader, model, c, row, common, '*TIE needs a data line: slave surface, master surface.')
   end subroutine read_tie
@@ -131,9 +133,8 @@ contains
     if (tie%slave == 0 .or. tie%master == 0) return
     if (tie%slave == tie%master) then
       call report_error(reader, row%line, 'A surface cannot be tied to itself; name two surfaces.')
-    else if (model%surfaces(tie%master)%is_node_based .and. .not. tie%is_cyclic) then
-      call report_error(reader, row%line, 'The master surface ''' // model%surfaces(tie%master)%name // &
-        ''' is made of nodes; a master needs element faces.')
+    else if (.not. is_master_fit(reader, row, tie, model%surfaces(tie%master))) then
+      return
     else if (tie%is_shell_edge .and. .not. are_edges(model, tie%slave)) then
       call report_error(reader, row%line, 'The surface ''' // model%surfaces(tie%slave)%name // ''' must consist of edges of ' // &
         'shells, E1 to E4.')
@@ -141,6 +142,30 @@ contains
       model%ties = [model%ties, tie]
     end if
   end subroutine add_tie
+
+
+  !> Whether a surface can be the master of a tie; reports why it cannot.
+  logical function is_master_fit(reader, row, tie, master) result(is_fit)
+    type(reader_type), intent(inout) :: reader
+    type(data_row_type), intent(in) :: row
+    type(tie_type), intent(in) :: tie
+    type(surface_type), intent(in) :: master
+    character(:), allocatable :: start
+    is_fit = .true.
+    if (.not. master%is_node_based .or. tie%is_cyclic) return
+    start = 'The master surface ''' // master%name // ''' '
+    if (.not. tie%may_be_nodal) then
+      call report_error(reader, row%line, start // 'is made of nodes; a master needs element faces.')
+    else if (reader%dialect == DIALECT_CALCULIX) then
+      call report_error(reader, row%line, start // 'is made of nodes. CalculiX ties to faces: name a surface of faces, or put ' // &
+        '''** dialect: abaqus'' at the top of the deck, which ties to the nearest nodes.')
+    else if (tie%tolerance < 0.0_DP .and. size(master%nodes) == 1) then
+      call report_error(reader, row%line, start // 'has one node: no distance from others gives a POSITION TOLERANCE. Give one.')
+    else
+      return
+    end if
+    is_fit = .false.
+  end function is_master_fit
 
 
   !> Whether a surface consists of edges of shells.

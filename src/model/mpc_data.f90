@@ -47,7 +47,9 @@ module amontons_mpc_data
   type :: tie_type
     integer :: slave = 0                     !< index of the slave surface
     integer :: master = 0                    !< index of the master surface
-    real(DP) :: tolerance = -1               !< nodes farther away are not tied; negative: 2.5 % of a facet [length]
+    real(DP) :: tolerance = -1               !< nodes farther away are not tied; negative: 2.5 % of a facet, 5 % of the spacing of
+                                             !! nodes [length]
+    logical :: may_be_nodal = .false.        !< TIE: the master may be made of nodes
     logical :: is_shell_edge = .false.       !< SHELL TO SOLID COUPLING: the slave, edges of shells, moves as the mean of the master
     logical :: is_cyclic = .false.           !< CYCLIC SYMMETRY: the slave moves as the master, rotated
     real(DP) :: turn(3, 3) = 0               !< by the angle of the sector, about an axis

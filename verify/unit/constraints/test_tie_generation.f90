@@ -26,6 +26,7 @@ program test_tie_generation
   character(:), allocatable :: warnings
   type(error_type), allocatable :: error
   call check_tie()
+  call check_nodal_tie()
   call check_sector()
   call check_coupling()
   call check_errors()
@@ -79,6 +80,36 @@ contains
     call suite%that('tie: beyond it', allocated(error))
     if (allocated(error)) call suite%that(error%message, error%code == EXIT_SETUP .and. index(error%message, 'ties no node') > 0)
   end subroutine check_tie
+
+
+  !> Nodes on a master of nodes: three equations with the nearest one each, of two as near the one of the lower label.
+  subroutine check_nodal_tie()
+    character(*), parameter :: DOTS = '*SURFACE, NAME=DOTS, TYPE=NODE;16;15;14;13;12;11;'
+    integer, parameter :: NEAREST(4) = [11, 12, 15, 14]   ! of the nodes 21 to 24; 12 and 15 are as near to 21 and 24
+    integer :: i
+    call generate(DOTS // '*TIE, NAME=T, POSITION TOLERANCE=1.2, ADJUST=NO;SOLE, DOTS;')
+    call suite%that('nodal tie: three for each of four nodes', .not. allocated(error) .and. size(equations) == 12)
+    if (allocated(error)) return
+    call suite%that('nodal tie: the nearest', all([(model%mesh%node_label(equations(i)%node(2)) == NEAREST((i + 2) / 3) .and. &
+      equations(i)%dof(1) == modulo(i - 1, 3) + 1 .and. equations(i)%dof(2) == equations(i)%dof(1), i=1, 12)]))
+    call suite%near('nodal tie: not moved', maxval(abs(coordinates(3, 13:16) - 2.01_DP)), 0.0_DP, TOL)
+    call suite%that('nodal tie: no warning', warnings == '')
+    u = 0 * model%mesh%coordinates
+    u(:, 8) = [1.0_DP, 2.0_DP, 3.0_DP]             ! node 12
+    u(:, 14) = u(:, 8)                             ! node 22
+    call suite%near('nodal tie: moves with its master', violation('TIE'), 0.0_DP, TOL)
+    u(2, 14) = 1.0_DP
+    call suite%near('nodal tie: and not by itself', violation('TIE'), 1.0_DP, TOL)
+    call generate(DOTS // '*TIE, NAME=T, POSITION TOLERANCE=.51;SOLE, DOTS;')
+    call suite%that('nodal tie: within a tolerance', .not. allocated(error) .and. size(equations) == 6)
+    call suite%that(warnings, index(warnings, 'ties 2 of 4 slave nodes') > 0)
+    call suite%near('nodal tie: moved onto the node', norm2(coordinates(:, 14) - [2.0_DP, 0.0_DP, 2.0_DP]), 0.0_DP, TOL)
+    call suite%near('nodal tie: not where it is not tied', coordinates(3, 13), 2.01_DP, TOL)
+    call generate(DOTS // '*TIE, NAME=T;SOLE, DOTS;')   ! 5 % of 2
+    call suite%that('nodal tie: beyond the default', allocated(error))
+    if (allocated(error)) call suite%that(error%message, error%code == EXIT_SETUP .and. index(error%message, 'ties no node') > 0 &
+      .and. index(error%message, 'TOLERANCE (0.1)') > 0)
+  end subroutine check_nodal_tie
 
 
   !> A quarter: the faces x = 0 and y = 0 of the first cube. A field turned with the sector holds, in both senses.

@@ -84,10 +84,19 @@ contains
   subroutine test_tie_cards(suite)
     type(suite_type), intent(inout) :: suite
     type(model_type) :: model
+    type(diagnostic_list_type) :: diagnostics
+    type(error_type), allocatable :: error
     call read_good('*TIE, NAME=T, POSITION TOLERANCE=.5, ADJUST=NO;DOTS, UP;', model)
     call suite%that('one tie', size(model%ties) == 1 .and. .not. model%ties(1)%is_adjusted)
     call suite%near('tolerance', model%ties(1)%tolerance, 0.5_DP, 0.0_DP)
-    call expect_error('*TIE, NAME=T;UP, DOTS;', 'made of nodes')
+    call read_good('*TIE, NAME=T;UP, DOTS;', model)
+    call suite%that('a master of nodes', size(model%ties) == 1 .and. model%ties(1)%may_be_nodal)
+    call read('*TIE, NAME=T;UP, DOTS;', model, diagnostics, error, dialect=DIALECT_CALCULIX)
+    call suite%that('CalculiX has none', allocated(error) .and. diagnostics%n_errors == 1)
+    if (diagnostics%n_items > 0) call suite%that(diagnostics%items(1)%text, index(diagnostics%items(1)%text, &
+      'CalculiX ties to faces') > 0)
+    call expect_error('*SURFACE, NAME=DOT, TYPE=NODE;90;*TIE, NAME=T;UP, DOT;', 'has one node')
+    call read_good('*SURFACE, NAME=DOT, TYPE=NODE;90;*TIE, NAME=T, POSITION TOLERANCE=.5;UP, DOT;', model)
     call expect_error('*TIE, NAME=T;UP, UP;', 'tied to itself')
     call expect_error('*TIE, NAME=T;UP, NIX;', 'no surface ''NIX''')
     call expect_error('*TIE, NAME=T;', 'needs a data line')
@@ -110,6 +119,7 @@ contains
     call expect_error(PAIR // ', ADJUST=TOP;DOTS, UP;', 'TIED needs ADJUST')
     call expect_error(PAIR // ', ADJUST=-1.;DOTS, UP;', 'TIED needs ADJUST')
     call expect_error(PAIR // ', ADJUST=.25;DOTS, NIX;', 'no surface ''NIX''')
+    call expect_error(PAIR // ', ADJUST=.25;UP, DOTS;', 'a master needs element faces')
     call read(PAIR // ', ADJUST=.25;DOTS, UP;', model, diagnostics, error, dialect=DIALECT_CALCULIX)
     call suite%that('CalculiX has no such pair', allocated(error) .and. diagnostics%n_errors == 1)
   end subroutine test_tied_pairs
