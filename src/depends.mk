@@ -153,7 +153,7 @@ uses_deck_contact = kinds text element_kinds mesh surfaces steps model cards car
 uses_deck_embedded = kinds element_kinds embeddings model cards card_schema deck_reader
 uses_deck_foundations = kinds text loads mesh model cards deck_reader deck_structure deck_surfaces
 uses_deck_general_contact = kinds text containers element_kinds surfaces model cards card_schema deck_reader deck_structure
-uses_deck_ties = kinds text mpc_data model cards card_schema deck_reader deck_structure
+uses_deck_ties = kinds text surfaces mpc_data model cards card_schema deck_reader deck_structure
 uses_deck_mpc = kinds text tensor mpc_data structural_data model cards card_schema deck_reader
 uses_deck_couplings = kinds text tensor element_kinds mesh mpc_data structural_data model cards card_schema deck_reader deck_analytic_surfaces deck_faces deck_surfaces deck_ties deck_mpc
 uses_deck_placement = kinds text tensor cards
@@ -222,7 +222,7 @@ uses_user_element_forces = kinds user_routines steps user_elements model section
 # constraints
 uses_constraints = kinds errors sparse
 uses_nonlinear_mpc = kinds errors tensor loads mesh mpc_data model state assembly_plan constraints
-uses_boundary_conditions = kinds errors mesh steps model state user_state constraints nonlinear_mpc
+uses_boundary_conditions = kinds errors element_kinds mesh steps model state user_state constraints nonlinear_mpc
 uses_embedded_elements = kinds text errors element_kinds embeddings loads model mesh_point_search
 uses_shell_edge_coupling = kinds text containers errors tensor dense element_kinds loads mesh mpc_data structural_data model shape_functions facets facet_search mortar_segmentation
 uses_tie_generation = kinds text errors tensor element_kinds loads mesh surfaces mpc_data structural_data model shape_functions facets facet_search surface_projection tributary_areas shell_edge_coupling

@@ -4,7 +4,8 @@ module amontons_boundary_conditions
   use amontons_kinds, only: DP
   use amontons_errors, only: error_type, set_error, EXIT_SETUP
   use amontons_steps, only: step_type
-  use amontons_mesh, only: mesh_extent
+  use amontons_element_kinds, only: element_kind_type, element_kind, FAMILY_MASS, FAMILY_SPRING, FAMILY_USER
+  use amontons_mesh, only: mesh_type, mesh_extent
   use amontons_model, only: model_type, dof_direction, load_now, displacement_now
   use amontons_state, only: fields_type, load_time
   use amontons_user_state, only: evaluate_disp
@@ -31,9 +32,11 @@ contains
     logical, intent(in) :: is_unconnected(:)              !< (3 n_nodes) of a node without elements
     real(DP), intent(out) :: violation             !< largest of the nonlinear MPCs, over their size [-]
     type(error_type), allocatable, intent(out) :: error
+    logical :: is_point(model%mesh%n_nodes)        ! of point masses and springs alone
     violation = 0.0_DP
+    is_point = find_point_nodes(model%mesh)
     call reset_constraints(base, 3 * model%mesh%n_nodes, find_pivot_lengths(model))
-    call fix_unresisted_unknowns(base, model, fields%u)
+    call fix_unresisted_unknowns(base, model, is_point, fields%u)
     call add_prescribed_displacements(base, model, step, fields, u_start, error)
     if (allocated(error)) return
     call add_equations(base, model, step, fields%u, error)
@@ -41,7 +44,8 @@ contains
     call add_nonlinear_mpcs(base, model, fields%u, step%is_nlgeom, violation, error)
     if (allocated(error)) return
     call add_midside_constraints(base, midside_nodes, fields%u)
-    call fix_unconnected_unknowns(base, is_unconnected, fields%u, u_start)
+    call fix_unconnected_unknowns(base, is_unconnected .or. reshape(spread(is_point, 1, 3) .and. model%mesh%is_unstiffened, &
+      [3 * model%mesh%n_nodes]), fields%u, u_start)
     call eliminate_constraints(base)
   end subroutine build_base_constraints
 
@@ -93,15 +97,41 @@ contains
   end function find_conflict_tolerance
 
 
-  !> Displacements without stiffness (the third of plane models) remain zero, unless a support prescribes them.
-  subroutine fix_unresisted_unknowns(base, model, u)
+  !> Nodes of point masses, springs and user elements alone. Directions in which none of these has stiffness may move with other
+  !! nodes, which hold them by rigid bodies, couplings, ties and equations: they are fixed only if no row has them.
+  pure function find_point_nodes(mesh) result(is_point)
+    type(mesh_type), intent(in) :: mesh
+    logical :: is_point(mesh%n_nodes)
+    type(element_kind_type) :: entry
+    integer :: e, kind
+    logical :: is_of_points
+    is_point = .false.
+    if (.not. any(mesh%is_unstiffened)) return
+    is_point = mesh%has_elements
+    kind = 0
+    do e = 1, mesh%n_elements
+      if (mesh%kind(e) /= kind) then
+        kind = mesh%kind(e)
+        entry = element_kind(kind)
+        is_of_points = any(entry%family == [FAMILY_MASS, FAMILY_SPRING, FAMILY_USER])
+      end if
+      if (.not. is_of_points) is_point(mesh%nodes(mesh%first(e):mesh%first(e + 1) - 1)) = .false.
+    end do
+  end function find_point_nodes
+
+
+  !> Displacements without stiffness (the third of plane models) remain zero, unless a support prescribes them; those of points come
+  !! after all rows.
+  subroutine fix_unresisted_unknowns(base, model, is_point, u)
     type(constraints_type), intent(inout) :: base
     type(model_type), intent(in) :: model
+    logical, intent(in) :: is_point(:)             !< (n_nodes)
     real(DP), intent(in) :: u(:, :)
     integer :: i, k
     if (.not. allocated(model%mesh%is_unstiffened)) return
     if (.not. any(model%mesh%is_unstiffened)) return
     do i = 1, model%mesh%n_nodes
+      if (is_point(i)) cycle
       do k = 1, 3
         if (model%mesh%is_unstiffened(k, i)) call prescribe_unknown(base, 3 * (i - 1) + k, -u(k, i))
       end do
