@@ -65,11 +65,7 @@ def test_end_does_not_depend_on_increments(run: Callable, tmp_path: Path) -> Non
     assert theirs[50][0] == pytest.approx(ours[50][0], rel=0.02)
 
 
-BY_CHANCE = pytest.mark.xfail(strict=False, reason="a snap-through: the ninth digit of the load decides how many attempts it takes")
-FREE = [
-    ("C3D10", 9, -0.5), ("C3D8", 6, -1.0), ("C3D8I", 6, -1.0), ("C3D20", 5, -0.5),
-    ("C3D10", 6, -1.0), pytest.param("C3D8", 9, -1.0, marks=BY_CHANCE),
-]
+FREE = [("C3D10", 9, -0.5), ("C3D8", 6, -1.0), ("C3D8I", 6, -1.0), ("C3D20", 5, -0.5), ("C3D10", 6, -1.0), ("C3D8", 9, -1.0)]
 """Beams that are free across, and where their tips go."""
 
 
@@ -78,7 +74,7 @@ def test_free_across(kind: str, cells: int, tip: float, run: Callable, tmp_path:
     """A beam without lateral support becomes unstable during the step: the job ends with default settings nevertheless, in at most 8 iterations for
     each requested increment. As long as it is stable it goes where CalculiX goes in small increments, within 2 %. (Not of C3D10: there the beam is 0.015 deep in
     the block's edge in CalculiX, 0.001 in Amontons.) Of the beam of 9 C3D8 that is bent by 1 the iterations are no measure: its nodes run off the block, it snaps
-    through, and how many attempts an increment takes there is decided by the ninth digit of the load: 24 to 85 iterations. (6 C3D10 take 50 to 55.)
+    through, and how many attempts an increment takes there is decided by the ninth digit of the load: 24 to 109 iterations. (6 C3D10 take 50 to 55.)
     """
     deck = bent(10, kind, cells, tip, "")
     (tmp_path / "job.inp").write_text(deck.replace("0.1, 1., 1.E-6, 0.1", "0.1, 1."))
@@ -86,7 +82,7 @@ def test_free_across(kind: str, cells: int, tip: float, run: Callable, tmp_path:
     assert done.returncode == 0, done.stdout + done.stderr
     rows = read_cvg(tmp_path / "job.cvg")
     print(kind, cells, tip, len(rows), "iterations in", rows[-1].increment, "increments")
-    assert len(rows) <= 80
+    assert len(rows) <= 80 or (kind, cells) == ("C3D8", 9)
     if kind == "C3D10":
         return
     ends = []
