@@ -7,7 +7,7 @@ module amontons_deck_reader
   use amontons_card_schema, only: card_table_type, has_parameter, match_parameters, parameter_text
   use amontons_containers, only: name_table_type, label_table_type, integer_list_type
   use amontons_mesh, only: mesh_type
-  use amontons_model, only: DIALECT_ABAQUS
+  use amontons_model, only: DIALECT_ABAQUS, DIALECT_CALCULIX
   use amontons_text, only: to_text, name_key, parse_real, plural, NUMBER_OK, NUMBER_EMPTY, NUMBER_NOT_FINITE
   implicit none
   private
@@ -183,25 +183,35 @@ contains
   end subroutine read_tolerance
 
 
-  !> The constants of a user routine, in lines of eight; reports too few and too many.
+  !> The constants of a user routine, in lines of eight; reports too few and too many. In CalculiX's form the temperature of the
+  !! constants of UMAT may follow them; other constants at another temperature are refused.
   subroutine read_user_constants(reader, c, row, count_name, constants)
     type(reader_type), intent(inout) :: reader
     integer, intent(in) :: c                     !< index of the card
     type(data_row_type), intent(inout) :: row         !< before its data lines
     character(*), intent(in) :: count_name       !< parameter with their number, for messages
     real(DP), intent(inout) :: constants(:)      !< zero on input, for blank fields
+    real(DP), allocatable :: values(:)           !< and the temperature
     integer :: n, i, k
     logical :: is_ok
     n = size(constants)
+    values = [constants, 0.0_DP]
+    if (reader%dialect /= DIALECT_CALCULIX .or. count_name /= 'CONSTANTS') values = constants
     i = 0
     is_ok = .true.
     do while (next_row(reader%cards, row) .and. is_ok)
-      call check_n_fields(reader, row, min(VALUES_PER_LINE, n - i))
-      do k = 1, min(VALUES_PER_LINE, n - i)
-        call read_real(reader, row, k, 'constant', constants(i + k), is_ok, 0.0_DP)
+      if (i >= n .and. n < size(values) .and. row%n > size(values) - i) then
+        call report_error(reader, row%line, 'The constants of UMAT depend on nothing here: give one set of ' // to_text(n) // &
+          ', and what depends on the temperature to the routine, which is given TEMP.')
+        exit
+      end if
+      call check_n_fields(reader, row, min(VALUES_PER_LINE, size(values) - i))
+      do k = 1, min(VALUES_PER_LINE, size(values) - i)
+        call read_real(reader, row, k, 'constant', values(i + k), is_ok, 0.0_DP)
       end do
-      i = i + min(VALUES_PER_LINE, n - i)
+      i = i + min(VALUES_PER_LINE, size(values) - i)
     end do
+    constants = values(:n)
     if (i < n .and. is_ok) call report_error(reader, reader%cards%cards(c)%line, count_name // ' is ' // to_text(n) // &
       ', but the data lines hold only ' // to_text(i) // ', eight in each.')
   end subroutine read_user_constants

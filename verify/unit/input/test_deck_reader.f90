@@ -8,6 +8,7 @@ program test_deck_reader
   use amontons_deck_reader, only: reader_type, open_card, report_note, read_real, read_integer, check_n_fields, check_no_data, &
     read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
   use amontons_mesh, only: mesh_type, set_type
+  use amontons_model, only: DIALECT_CALCULIX
   use check, only: suite_type
   use samples, only: deck_lines
   implicit none
@@ -117,7 +118,40 @@ contains
     call start('*USER MATERIAL, CONSTANTS=2;1,2,3;', reader, parameters, row)
     call read_user_constants(reader, 1, row, 'CONSTANTS', two)
     call expect(reader, 1, 'at most 2')
+    call check_temperature()
   end subroutine check_constants
+
+
+  !> Constants of CalculiX, which a temperature may follow: in the line or in the next one. Of a second set the first line counts.
+  subroutine check_temperature()
+    type(reader_type) :: reader
+    type(parameter_type), allocatable :: parameters(:)
+    type(data_row_type) :: row
+    real(DP) :: two(2), eight(8)
+    two = 0
+    call start('*USER MATERIAL, CONSTANTS=2;1,2,293.;', reader, parameters, row)
+    reader%dialect = DIALECT_CALCULIX
+    call read_user_constants(reader, 1, row, 'CONSTANTS', two)
+    call suite%near('constants before a temperature', norm2(two - real([1, 2], DP)), 0.0_DP, 0.0_DP)
+    eight = 0
+    call start('*USER MATERIAL, CONSTANTS=8;1,2,3,4,5,6,7,8;293.;', reader, parameters, row)
+    reader%dialect = DIALECT_CALCULIX
+    call read_user_constants(reader, 1, row, 'CONSTANTS', eight)
+    call suite%near('the temperature in a line of its own', norm2(eight - real([1, 2, 3, 4, 5, 6, 7, 8], DP)), 0.0_DP, 0.0_DP)
+    call suite%that('no message', reader%messages%n == 0)
+    call start('*USER MATERIAL, CONSTANTS=2;1,2,293.;3,4,393.;', reader, parameters, row)
+    reader%dialect = DIALECT_CALCULIX
+    call read_user_constants(reader, 1, row, 'CONSTANTS', two)
+    call expect(reader, 1, 'give one set of 2')
+    call start('*USER MATERIAL, CONSTANTS=2;1,2,293.,4;', reader, parameters, row)
+    reader%dialect = DIALECT_CALCULIX
+    call read_user_constants(reader, 1, row, 'CONSTANTS', two)
+    call expect(reader, 1, 'at most 3')
+    call start('*SURFACE INTERACTION, PROPERTIES=2;1,2,3;', reader, parameters, row)
+    reader%dialect = DIALECT_CALCULIX
+    call read_user_constants(reader, 1, row, 'PROPERTIES', two)
+    call expect(reader, 1, 'at most 2')
+  end subroutine check_temperature
 
 
   !> By number or set; unknown, empty, and a near name.
