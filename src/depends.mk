@@ -130,6 +130,7 @@ uses_deck_labels = kinds text containers element_kinds user_elements cards card_
 uses_deck_collapsed_elements = text containers element_kinds mesh element_drafts deck_reader
 uses_deck_user_elements = kinds text containers element_kinds mesh steps user_elements model cards card_schema element_drafts deck_reader
 uses_deck_mesh = kinds text containers element_kinds materials mesh user_elements model cards card_schema element_drafts deck_reader deck_labels deck_collapsed_elements deck_user_elements
+uses_deck_imperfection = kinds text mesh model cards card_schema deck_reader deck_labels
 uses_deck_submodel = kinds text containers structural_data submodels model cards card_schema deck_reader
 uses_deck_cap = kinds text materials drucker_prager_cap deck_reader deck_property_tables
 uses_deck_creep = text user_routines materials cards card_schema deck_reader deck_property_tables
@@ -171,7 +172,7 @@ uses_deck_loads = kinds text containers element_kinds loads materials mesh struc
 uses_deck_procedures = kinds text distributed_solver element_kinds materials steps structural_data model cards card_schema deck_reader deck_loads
 uses_deck_steps = kinds text containers controls element_kinds loads materials mpc_data steps model cards card_schema deck_reader deck_user_elements deck_materials deck_initial_conditions deck_contact deck_output load_propagation deck_loads deck_procedures
 uses_deck_plausibility = kinds text materials mesh model cards card_schema deck_reader
-uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_cohesive deck_user_elements deck_mesh deck_submodel deck_named_laws deck_viscoelasticity deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_embedded deck_foundations deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
+uses_deck = text containers errors posix materials mpc_data model cards card_schema card_table element_drafts deck_reader deck_cohesive deck_user_elements deck_mesh deck_imperfection deck_submodel deck_named_laws deck_viscoelasticity deck_materials deck_structure deck_initial_conditions deck_surfaces deck_contact deck_embedded deck_foundations deck_general_contact deck_mpc deck_couplings deck_parts deck_generate deck_parameters deck_restart explain deck_springs deck_sets deck_output deck_steps deck_plausibility
 
 # contact_geometry
 uses_facets = kinds containers errors tensor analytic_profiles element_kinds mesh shape_functions

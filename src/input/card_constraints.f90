@@ -1,8 +1,8 @@
-!> The cards EQUATION, EMBEDDED ELEMENT, FOUNDATION and SHELL TO SOLID COUPLING.
+!> The cards EQUATION, EMBEDDED ELEMENT, FOUNDATION, SHELL TO SOLID COUPLING and IMPERFECTION.
 !! SPDX-License-Identifier: GPL-3.0-or-later
 module amontons_card_constraints
   use amontons_card_schema, only: card_table_type, SCOPE_MODEL, SCOPE_BOTH, VALUE_NAME, VALUE_REAL, VALUE_TEXT, &
-    VALUE_OPTIONAL_WORD, ENTRY_IGNORED
+    VALUE_WORD, VALUE_OPTIONAL_WORD, ENTRY_IGNORED, ENTRY_REJECTED
   implicit none
   private
   public :: describe_constraints, describe_equation, describe_embedded_elements
@@ -16,6 +16,7 @@ contains
     call describe_embedded_elements(table)
     call describe_foundation(table)
     call describe_shell_coupling(table)
+    call describe_imperfection(table)
   end subroutine describe_constraints
 
 
@@ -66,5 +67,20 @@ contains
       default='5 % of the mean edge of the shell''s edges')
     call table%option('INFLUENCE DISTANCE', VALUE_REAL, 'The thickness of the shell decides.', status=ENTRY_IGNORED)
   end subroutine describe_shell_coupling
+
+
+  !> IMPERFECTION.
+  subroutine describe_imperfection(table)
+    type(card_table_type), intent(inout) :: table
+    call table%card('IMPERFECTION', SCOPE_MODEL, 'Moves nodes before the model is made of them, as by a dent or by a ' // &
+      'buckling mode times its height; several cards add up.', data='node or node set, offset along x, y, z')
+    call table%option('INPUT', VALUE_TEXT, 'File with the data lines.')
+    call table%option('SYSTEM', VALUE_WORD, 'R: offsets along x, y, z; C: of the radius, of the angle about z in degrees, ' // &
+      'along z; S: of the radius, of the angle about z, of the angle above the xy plane.', allowed='R|C|S', default='R')
+    call table%option('FILE', VALUE_TEXT, 'Modes are not read from the results of another job: write the mode ' // &
+      'times its height as data lines, node, x, y, z, into the deck or into the file of INPUT.', status=ENTRY_REJECTED)
+    call table%option('STEP|NSET', VALUE_TEXT, 'They belong to FILE.', status=ENTRY_IGNORED)
+    call table%add_dialect_note('calculix: refused, as CalculiX has no such card.')
+  end subroutine describe_imperfection
 
 end module amontons_card_constraints

@@ -807,7 +807,7 @@ contains
   !> Materials, temperatures and directions that are not supported.
   subroutine describe_rejected_materials(table)
     type(card_table_type), intent(inout) :: table
-    call table%cards_with(ENTRY_REJECTED, 'HYPOELASTIC|DRUCKER PRAGER CREEP|CAP CREEP|' // &
+    call table%cards_with(ENTRY_REJECTED, 'ANISOTROPIC HYPERELASTIC|HYPOELASTIC|DRUCKER PRAGER CREEP|CAP CREEP|' // &
       'CLAY PLASTICITY|CLAY HARDENING|' // &
       'CRUSHABLE FOAM|CRUSHABLE FOAM HARDENING|CONCRETE|CONCRETE DAMAGED PLASTICITY|CONCRETE COMPRESSION ' // &
       'HARDENING|CONCRETE TENSION STIFFENING|BRITTLE CRACKING|CAST IRON PLASTICITY|CAST IRON COMPRESSION ' // &
@@ -845,10 +845,8 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'CONTACT CLEARANCE|CONTACT CLEARANCE ASSIGNMENT', 'Give *CONTACT INITIALIZATION ' // &
       'DATA with SEARCH ABOVE to close gaps without stress, or a *CONTACT PAIR of the two surfaces with a *CLEARANCE.')
     call table%cards_with(ENTRY_REJECTED, 'BUCKLE', 'Buckling factors are not computed. Move the nodes by a small ' // &
-      'imperfection, and increase the load as a prescribed displacement in a *STEP, NLGEOM: the largest reaction is the ' // &
+      '*IMPERFECTION, and increase the load as a prescribed displacement in a *STEP, NLGEOM: the largest reaction is the ' // &
       'buckling load.')
-    call table%cards_with(ENTRY_REJECTED, 'IMPERFECTION', 'Write the nodes with the imperfection in their coordinates, for ' // &
-      'example with a buckling mode of another program times its height.')
     call table%cards_with(ENTRY_REJECTED, 'HEAT TRANSFER|UNCOUPLED TEMPERATURE-DISPLACEMENT|COUPLED TEMPERATURE-DISPLACEMENT|' // &
       'COUPLED THERMAL-ELECTRICAL', 'Heat flow is not computed: take the temperatures from another program and give them ' // &
       'to the nodes by *TEMPERATURE in a *STATIC step; *EXPANSION makes strains of them.')
@@ -858,23 +856,25 @@ contains
       '*STATIC with *INITIAL CONDITIONS, TYPE=STRESS and the weight by *DLOAD with GRAV.')
     call table%cards_with(ENTRY_REJECTED, 'GREEN|SUBSTRUCTURE GENERATE|MATRIX GENERATE|MATRIX ASSEMBLE', 'The library returns ' // &
       'the matrices: get_matrix in Fortran, amontons_matrix in C, Job.matrix in Python.')
-    call table%cards_with(ENTRY_REJECTED, 'SENSITIVITY|ROBUST DESIGN|FEASIBLE DIRECTION', 'Run the deck with changed numbers ' // &
+    call table%cards_with(ENTRY_REJECTED, 'SENSITIVITY|ROBUST DESIGN|FEASIBLE DIRECTION|DESIGN PARAMETER|' // &
+      'DESIGN GRADIENT|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT', 'Run the deck with changed numbers ' // &
       'from a script; the Python package amontons runs jobs and returns their results.')
     call table%cards_with(ENTRY_REJECTED, 'DIRECT CYCLIC|STEADY STATE TRANSPORT|STEADY STATE DETECTION', 'Repeat the ' // &
       'motion in *STATIC steps until the results repeat.')
     call table%cards_with(ENTRY_REJECTED, 'ANNEAL', 'Write a deck with the deformed coordinates and the material without ' // &
       'hardening, and continue there.')
     call table%cards_with(ENTRY_REJECTED, 'REFINE MESH', 'Refine the mesh in the program that made it.')
-    call table%cards_with(ENTRY_REJECTED, 'HCF|CRACK PROPAGATION', 'Fatigue and crack growth are not computed: ' // &
-      'take the stresses of a *STATIC step from job.vtkhdf or job.frd to a program for them.')
+    call table%cards_with(ENTRY_REJECTED, 'HCF|CRACK PROPAGATION|ENRICHMENT|ENRICHMENT ACTIVATION', 'Fatigue and cracks ' // &
+      'through elements are not computed: give the path of a crack cohesive elements, as COH3D8, or take the stresses of ' // &
+      'a *STATIC step from job.vtkhdf or job.frd to a program for them.')
+    call table%cards_with(ENTRY_REJECTED, 'LOAD CASE|END LOAD CASE', 'Give each load case a *STEP of its own, with OP=NEW.')
     call table%cards_with(ENTRY_REJECTED, 'CHANGE CONTACT TYPE|IMPORT|IMPORT ' // &
       'CONTROLS|MAP SOLUTION|ADAPTIVE MESH|ADAPTIVE MESH CONTROLS', 'The model is the same in all steps.')
     call table%cards_with(ENTRY_REJECTED, 'CFLUX|DFLUX|DSFLUX|FILM|SFILM|CFILM|RADIATE|CRADIATE|SRADIATE|VIEWFACTOR|' // &
       'CAVITY DEFINITION', 'Heat flow is not computed: take the temperatures from another program and give them to the nodes ' // &
       'by *TEMPERATURE.')
     call table%cards_with(ENTRY_REJECTED, 'BASE MOTION|CORRELATION LENGTH|FLOW|SFLOW|DFLOW|DECHARGE|CECHARGE|MASS FLOW|LIMIT ' // &
-      'VELOCITY|VALUES AT INFINITY|SELECT CYCLIC SYMMETRY MODES|SELECT EIGENMODES|INERTIA RELIEF|LOAD CASE|END ' // &
-      'LOAD CASE|INCIDENT WAVE|DESIGN RESPONSE|DESIGN VARIABLES|OBJECTIVE|CONSTRAINT|' // &
+      'VELOCITY|VALUES AT INFINITY|SELECT CYCLIC SYMMETRY MODES|SELECT EIGENMODES|INERTIA RELIEF|INCIDENT WAVE|' // &
       'GEOMETRIC CONSTRAINT|GEOMETRIC TOLERANCES|RANDOM FIELD|RETAINED NODAL DOFS|SUBSTRUCTURE MATRIX OUTPUT|' // &
       'SUBSTRUCTURE PATH|SUBSTRUCTURE LOAD CASE', 'The loads are those of *BOUNDARY, *CLOAD and *DLOAD.')
   end subroutine describe_rejected_procedures
@@ -888,8 +888,10 @@ contains
     call table%cards_with(ENTRY_REJECTED, 'REBAR|REBAR LAYER', 'Mesh the bars as trusses with *EMBEDDED ELEMENT.')
     call table%cards_with(ENTRY_REJECTED, 'GASKET SECTION|FLUID SECTION|SURFACE SECTION|RIGID SURFACE|' // &
       'ROTARY INERTIA|NONSTRUCTURAL MASS|JOINT|CONNECTOR SECTION|CONNECTOR BEHAVIOR|CONNECTOR ELASTICITY|CONNECTOR MOTION|' // &
-      'CONNECTOR LOAD|FLUID CAVITY|FLUID BEHAVIOR|EULERIAN SECTION|INTERFACE', &
+      'CONNECTOR LOAD|EULERIAN SECTION|INTERFACE', &
       'The sections are *SOLID SECTION, *SHELL SECTION, *MEMBRANE SECTION and *BEAM SECTION.')
+    call table%cards_with(ENTRY_REJECTED, 'FLUID CAVITY|FLUID BEHAVIOR|FLUID DENSITY|FLUID BULK MODULUS|FLUID EXPANSION', &
+      'A fluid in a cavity is not computed: give its pressure on the walls by *DSLOAD.')
     call table%cards_with(ENTRY_REJECTED, 'NMAP|PARAMETER DEPENDENCE|PARAMETER TABLE', &
       'Write the nodes, elements and numbers themselves.')
     call table%cards_with(ENTRY_REJECTED, 'SURFACE SMOOTHING|COHESIVE BEHAVIOR|CLEARANCE TABLE|SLIDE LINE|' // &

@@ -234,7 +234,7 @@ contains
   end function is_continued
 
 
-  !> Whether the data lines of a card are in a file: NODE, ELEMENT, EQUATION or AMPLITUDE with INPUT.
+  !> Whether the data lines of a card are in a file: NODE, ELEMENT, EQUATION, AMPLITUDE or IMPERFECTION with INPUT.
   pure function has_input_file(line, mark) result(has_it)
     character(*), intent(in) :: line
     integer, intent(in) :: mark                 !< its first character that is not blank
@@ -246,7 +246,7 @@ contains
     key = name_key(line)
     comma = index(key, ',')
     if (index(key, ',INPUT=') == 0) return
-    has_it = any(key(:comma - 1) == [character(10) :: '*NODE', '*ELEMENT', '*EQUATION', '*AMPLITUDE'])
+    has_it = any(key(:comma - 1) == [character(13) :: '*NODE', '*ELEMENT', '*EQUATION', '*AMPLITUDE', '*IMPERFECTION'])
   end function has_input_file
 
 

@@ -13,6 +13,7 @@ module amontons_deck
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_cohesive, only: set_cohesive_sections
   use amontons_deck_mesh, only: read_nodes, read_elements, read_sections, select_elements
+  use amontons_deck_imperfection, only: read_imperfections
   use amontons_deck_initial_conditions, only: read_orientations, read_initial_conditions
   use amontons_deck_named_laws, only: check_steps_of_law
   use amontons_deck_viscoelasticity, only: check_viscoelastic_steps
@@ -43,7 +44,7 @@ module amontons_deck
   use amontons_posix, only: checksum_of_text
   use amontons_errors, only: diagnostic_list_type, error_type, set_error, EXIT_DECK
   use amontons_model, only: model_type, job_options_type, DIALECT_ABAQUS, DIALECT_CALCULIX, DIALECT_FROM_DECK
-  use amontons_text, only: is_one_of, name_key, plural, parse_integer, NUMBER_OK
+  use amontons_text, only: upper_case, is_one_of, name_key, plural, parse_integer, NUMBER_OK
   use amontons_materials, only: material_type, is_linear_elastic, CREEP_NONE, INELASTIC_NONE
   use amontons_mpc_data, only: MPC_PLANE, MPC_STRAIGHT, MPC_DISTANCE
   implicit none
@@ -148,6 +149,7 @@ contains
     call read_user_kinds(reader, model)
     call read_elements(reader, model%mesh, model%user_elements, draft)
     call read_sets(reader, draft, model%mesh)
+    call read_imperfections(reader, model%mesh)
     call read_materials(reader, model)
     call read_sections(reader, model, draft)
     call read_structural_sections(reader, model, draft)
@@ -303,13 +305,12 @@ contains
       call find_entry(reader%table, card%key, card%entry, is_abbreviated)
       if (card%entry == 0) then
         if (reader%dialect == DIALECT_CALCULIX) then
-          call report_note(reader, card%line, 'The card *' // card%key &
+          call report_note(reader, card%line, 'The card *' // written_name(reader, c) &
             // ' is not known, to CalculiX neither; it is passed over ' // &
             'as CalculiX does. amontons --cards lists all cards.')
         else
-          call report_error(reader, card%line, 'The card *' // card%key // ' is not known' // suggest_card(reader%table, &
-            card%key) // &
-            ' amontons --cards lists all cards.')
+          call report_error(reader, card%line, 'The card *' // written_name(reader, c) // ' is not known' // &
+            suggest_card(reader%table, card%key) // ' amontons --cards lists all cards.')
         end if
         return
       end if
@@ -323,6 +324,17 @@ contains
       end associate
     end associate
   end subroutine look_up_card
+
+
+  !> The name of a card as the deck writes it, with its blanks, in upper case.
+  pure function written_name(reader, c) result(name)
+    type(reader_type), intent(in) :: reader
+    integer, intent(in) :: c                     !< index of the card
+    character(:), allocatable :: name
+    name = upper_case(line_text(reader%cards, reader%cards%cards(c)%line))
+    name = name(index(name, '*') + 1:)
+    name = trim(adjustl(name(:scan(name // ',', ',') - 1)))
+  end function written_name
 
 
   !> Reports a card in the wrong place. Unsupported cards do not end a block.

@@ -36,6 +36,7 @@ CHAPTERS = {
     "Patches, rigid motions, heat, joined bodies": ("test_patch_and_rigid_motion", "test_submodels"),
     "Elastic bodies": ("test_elasticity_benchmarks", "test_plane_incompatible_modes", "test_membranes", "test_thermal_stress", "test_balanced_loads"),
     "Shells and beams": ("test_shells", "test_composite_shells", "test_axisymmetric_shells", "test_beam_sections", "test_beam_benchmarks", "test_membrane_elements", "test_section_forces"),
+    "Imperfections": ("test_imperfections",),
     "Plasticity, creep, damage": ("test_plasticity_and_creep", "test_rate_dependent_yield", "test_cohesive_layers",),
     "Rubber and foam": ("test_hyperelasticity",),
     "Contact: pressure and partial slip": (

@@ -47,6 +47,7 @@ TRIALS = [
     ("natural frequencies", "step", "*FREQUENCY\n3\n", r"\*FREQUENCY is not supported"),
     ("buckling factors", "step", "*BUCKLE\n3\n", r"\*BUCKLE is not supported"),
     ("a step after a", "step", "*STATIC, RIKS\n0.1, 1.\n*CLOAD\nALL, 3, 1.\n*END STEP\n*STEP\n*STATIC\n", "No step can follow a RIKS step"),
+    ("imperfections by the modes", "pair", "*IMPERFECTION, FILE=job, STEP=1\n1, 0.01\n", "Modes are not read from the results of another job"),
     ("heat transfer", "step", "*HEAT TRANSFER\n0.1, 1.\n", r"\*HEAT TRANSFER is not supported"),
     ("coupled temperature", "step", "*COUPLED TEMPERATURE-DISPLACEMENT\n0.1, 1.\n", r"\*COUPLED TEMPERATURE-DISPLACEMENT is not supported"),
     ("submodels by stresses", "pair", "*SUBMODEL, TYPE=SURFACE, INPUT=global.frd\nHIGH\n", "Stresses are not taken from a global model"),

@@ -37,6 +37,7 @@ RUBBER = {"NEOHOOKE": "SZ1", "MOONEY": "SSZ1", "YEOH": "SSSZZZ1", "ARRUDA": "S1Z
 #: X unit of an absolute amplitude, 1 none.
 UNITS = {
     "NODE": {"SYSTEM=C": "1L1L", "SYSTEM=S": "1L1", "": "1L"},
+    "IMPERFECTION": {"SYSTEM=C": "1L1L", "SYSTEM=S": "1L1", "": "1L"},
     "NGEN": "1111LLL1", "NCOPY": "LLLLLL1", "INSTANCE": "LLLLLL1",
     "TRANSFORM": {"TYPE=C": "L", "": "1"}, "ORIENTATION": {"SYSTEM=C": "L", "": "1"}, "CYCLIC SYMMETRY MODEL": "L",
     "ELASTIC": {"TRACTION": "SSS1", "ORTHO": "SSSSSSSSS1", "ANISO": 21 * "S" + "1", "ENGINEERING": "SSS111SSS1", "LAMINA": "SS1SSS1", "": "S1"},
@@ -63,12 +64,13 @@ PARAMETERS = {"CLEARANCE": {"VALUE": "L"}, "CONTACT PAIR": {"ADJUST": "L", "CLEA
               "SHELL TO SOLID COUPLING": {"POSITION TOLERANCE": "L"}, "FRICTION": {"TAUMAX": "S"},
               "STATIC": {"FACTOR": "D"}, "VISCO": {"FACTOR": "D"}, "SURFACE": {"FILLET RADIUS": "L"}, "AMPLITUDE": {"SHIFTY": "X"}}  # fmt: skip
 #: What a routine of the user or another job says has unknown units.
-REFUSED = {"SURFACE INTERACTION": ",USER", "FRICTION": ",USER", "AMPLITUDE": "DEFINITION=USER", "BOUNDARY": ",USER", "RESTART": ",READ", "NODE": ",INPUT="}
+REFUSED = {"SURFACE INTERACTION": ",USER", "FRICTION": ",USER", "AMPLITUDE": "DEFINITION=USER", "BOUNDARY": ",USER", "RESTART": ",READ", "NODE": ",INPUT=",
+           "IMPERFECTION": ",INPUT="}
 #: Cards that belong to the card before them.
 DATA_CARDS = {"ELASTIC", "HYPERELASTIC", "DENSITY", "FRICTION", "SURFACE BEHAVIOR", "EXPANSION", "PLASTIC", "KINEMATIC", "DISTRIBUTING",
               "UNIAXIAL TEST DATA", "BIAXIAL TEST DATA", "PLANAR TEST DATA"}
 #: Cards whose data lines begin with a node, all of whose numbers are nodes, or which hold them behind a label.
-NODE_FIRST, NODES_ONLY = {"NODE", "BOUNDARY", "CLOAD", "TEMPERATURE", "INITIAL CONDITIONS"}, {"NSET"}
+NODE_FIRST, NODES_ONLY = {"NODE", "IMPERFECTION", "BOUNDARY", "CLOAD", "TEMPERATURE", "INITIAL CONDITIONS"}, {"NSET"}
 MODEL_END = "*STEP"
 
 
@@ -259,7 +261,9 @@ def turned(deck: str) -> str:
     places: list[str] = []
     for card in cards(deck):
         name = keyword(card)
-        if name == "NODE":
+        if name == "IMPERFECTION":
+            card = [card[0], *(turned_node(line, turn) for line in card[1:])]
+        elif name == "NODE":
             card = [card[0], *(turned_node(line, turn) for line in card[1:])]
             places += [line.split(",")[0] for line in card[1:]]
         elif name == "SURFACE" and is_analytic(card):

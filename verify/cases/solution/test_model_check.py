@@ -348,7 +348,7 @@ THREE_CUBES = (Path(__file__).resolve().parents[3] / "input" / "three_cubes.inp"
 THREE_CUBES = THREE_CUBES.replace("*INCLUDE, INPUT=three_cubes.mesh\n", (Path(__file__).resolve().parents[3] / "input" / "three_cubes.mesh").read_text())
 SLIPS = [
     ("*BOUNDARY", "*BOUNDRY", 3, "*BOUNDRY is not known; did you mean *BOUNDARY?"),
-    ("*SOLID SECTION", "*SOLID SECION", 3, "*SOLIDSECION is not known; did you mean *SOLID SECTION?"),
+    ("*SOLID SECTION", "*SOLID SECION", 3, "*SOLID SECION is not known; did you mean *SOLID SECTION?"),
     ("MATERIAL=STEEL", "MATERAIL=STEEL", 3, "has no parameter MATERAIL (did you mean MATERIAL?)"),
     ("MATERIAL=STEEL", "MATERIAL=STELL", 3, "There is no material 'STELL'; did you mean STEEL?"),
     ("MATERIAL=STEEL", "MATERIAL=GOLD", 3, "There is no material 'GOLD'; there is only STEEL."),
