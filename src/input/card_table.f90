@@ -826,8 +826,7 @@ contains
       'Of the user subroutines there are UMAT, UEL, USDFLD, CREEP, FRIC, UINTER, DLOAD, DISP, UAMP and SDVINI.')
     call table%cards_with(ENTRY_REJECTED, 'INITIAL STRAIN INCREASE', 'Give the strain as a thermal one: *EXPANSION, ' // &
       'TYPE=ANISO with *TEMPERATURE, or by *INITIAL CONDITIONS, TYPE=PLASTIC STRAIN.')
-    call table%cards_with(ENTRY_REJECTED, 'PRESSURE STRESS|MASS FLOW RATE', &
-      'Give *INITIAL CONDITIONS and *TEMPERATURE.')
+    call table%cards_with(ENTRY_REJECTED, 'PRESSURE STRESS|MASS FLOW RATE', 'Give *INITIAL CONDITIONS and *TEMPERATURE.')
     call table%cards_with(ENTRY_REJECTED, 'TRANSFORMF|NODAL ROTATION', &
       'Supports and forces are in the global Cartesian directions; with skew supports use *EQUATION.')
   end subroutine describe_rejected_materials
