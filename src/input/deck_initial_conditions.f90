@@ -7,11 +7,11 @@ module amontons_deck_initial_conditions
   use amontons_deck_submodel, only: read_global_step, check_driven_nodes, check_driven_temperatures
   use amontons_deck_structure, only: spread_temperature, is_shell
   use amontons_deck_reader, only: reader_type, open_card, report_error, read_real, read_integer, check_n_fields, &
-    check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, check_name
+    check_no_data, report_note, nodes_of_field, elements_of_field, find_amplitude, is_card, count_cards, check_name
   use amontons_element_kinds, only: is_membrane
   use amontons_loads, only: temperature_type, load_value
   use amontons_structural_data, only: interpolate_added_nodes
-  use amontons_containers, only: name_table_type
+  use amontons_containers, only: name_table_type, list_groups
   use amontons_materials, only: orientation_type, SYSTEM_RECTANGULAR, SYSTEM_CYLINDRICAL, HISTORY_PEEQ, &
     HISTORY_INELASTIC, HISTORY_BACK, material_type, ELASTIC_ORTHOTROPIC, ELASTIC_ANISOTROPIC, is_one_sided, &
     is_law_of_invariants, law_name, INELASTIC_NONE
@@ -47,9 +47,10 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     type(orientation_type) :: orientation
     integer, allocatable :: distribution(:, :)   !< (2, orientations) its DISTRIBUTION cards of axes and of angles, 0: none
-    integer :: c, k, cards(2)
+    integer :: c, k, n, cards(2)
     logical :: is_new
-    allocate (model%orientations(0), distribution(2, 0))
+    n = count_cards(reader, 'ORIENTATION')
+    allocate (model%orientations(n), distribution(2, n))
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'ORIENTATION')) cycle
       call open_card(reader, c, parameters, row)
@@ -66,9 +67,10 @@ contains
         cycle
       end if
       call read_axes(reader, c, row, orientation, cards)
-      distribution = reshape([distribution, cards], [2, k])
-      model%orientations = [model%orientations, orientation]
+      distribution(:, k) = cards
+      model%orientations(k) = orientation
     end do
+    if (names%n < n) model%orientations = model%orientations(:names%n)
     allocate (model%element_orientation(model%mesh%n_elements), source=0)
     call read_section_axes(reader, names, distribution, model)
     call set_membrane_axes(reader, names, distribution, model)
@@ -205,29 +207,51 @@ contains
     integer, intent(in) :: distribution(:, :)    !< (2, orientations)
     type(model_type), intent(inout) :: model
     type(orientation_type) :: orientation
-    integer, allocatable :: members(:)
-    integer :: s, l, k, e, m
+    integer, allocatable :: members(:), first(:), of_section(:)
+    integer :: s, l, k, m, n
     logical :: is_given
     if (.not. allocated(model%structure%section)) return
+    call list_groups(model%structure%section, size(model%structure%sections), first, of_section)
+    n = size(model%orientations)
     do s = 1, size(model%structure%sections)
-      associate (section => model%structure%sections(s))
+      associate (section => model%structure%sections(s), elements => of_section(first(s):first(s + 1) - 1))
         if (.not. allocated(section%orientation)) cycle
         do l = 1, n_section_layers(section)
-          members = pack([(e, e=1, model%mesh%n_elements)], model%structure%section == s .and. model%mesh%layer == l)
+          members = pack(elements, model%mesh%layer(elements) == l)
           if (size(members) == 0) cycle
           call find_layer_axes(reader, names, model, s, l, orientation, k, is_given)
           m = model%mesh%material(members(1))
           if (m == 0) cycle                        ! an unknown name, which is reported
           if (.not. (is_given .or. reader%dialect == DIALECT_CALCULIX .or. allocated(section%layers) .or. &
             has_directions(model%materials(m)))) cycle
-          model%orientations = [model%orientations, orientation]
-          model%element_orientation(members) = size(model%orientations)
+          call append_orientation(model%orientations, n, orientation)
+          model%element_orientation(members) = n
           if (k == 0) cycle
+          if (all(distribution(:, k) == 0)) cycle
+          model%orientations = model%orientations(:n)
           call read_distributions(reader, distribution(:, k), members, model)
+          n = size(model%orientations)
         end do
       end associate
     end do
+    model%orientations = model%orientations(:n)
   end subroutine set_shell_axes
+
+
+  !> Appends an orientation to a list that grows to twice its size.
+  subroutine append_orientation(orientations, n, orientation)
+    type(orientation_type), allocatable, intent(inout) :: orientations(:)
+    integer, intent(inout) :: n                  !< the first n count
+    type(orientation_type), intent(in) :: orientation
+    type(orientation_type), allocatable :: larger(:)
+    if (n == size(orientations)) then
+      allocate (larger(2 * n + 8))
+      larger(:n) = orientations
+      call move_alloc(larger, orientations)
+    end if
+    n = n + 1
+    orientations(n) = orientation
+  end subroutine append_orientation
 
 
   !> Axes of membranes: an orientation, or the global axes where the material has directions, projected on the membrane.
@@ -240,7 +264,8 @@ contains
     type(parameter_type), allocatable :: parameters(:)
     type(orientation_type) :: orientation
     character(:), allocatable :: name
-    integer :: c, k, set, material
+    integer :: c, k, n, set, material
+    n = size(model%orientations)
     do c = 1, reader%cards%n_cards
       if (.not. is_card(reader, c, 'MEMBRANESECTION')) cycle
       call open_card(reader, c, parameters, row)
@@ -257,13 +282,17 @@ contains
       orientation%is_projected = .true.
       orientation%normal_axis = 3
       if (k > 0 .and. reader%dialect /= DIALECT_CALCULIX) orientation%normal_axis = max(1, orientation%rotation_axis)
-      model%orientations = [model%orientations, orientation]
+      call append_orientation(model%orientations, n, orientation)
       associate (members => model%mesh%element_sets(set)%members)
-        model%element_orientation(members) = size(model%orientations)
+        model%element_orientation(members) = n
         if (k == 0) cycle
+        if (all(distribution(:, k) == 0)) cycle
+        model%orientations = model%orientations(:n)
         call read_distributions(reader, distribution(:, k), members, model)
+        n = size(model%orientations)
       end associate
     end do
+    model%orientations = model%orientations(:n)
   end subroutine set_membrane_axes
 
 
@@ -376,14 +405,9 @@ contains
     !> Adds the orientation of the row, with all else as in another one.
     subroutine add_orientation(old)
       integer, intent(in) :: old
-      type(orientation_type), allocatable :: more(:)
-      if (n == size(orientations)) then
-        allocate (more(2 * n + 8))
-        more(:n) = orientations
-        call move_alloc(more, orientations)
-      end if
-      n = n + 1
-      orientations(n) = orientations(old)
+      type(orientation_type) :: like
+      like = orientations(old)
+      call append_orientation(orientations, n, like)
       if (kind == 1) orientations(n)%a = orientation%a
       if (kind == 1) orientations(n)%b = orientation%b
       if (kind == 2) orientations(n)%rotation_angle = orientation%rotation_angle

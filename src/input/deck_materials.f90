@@ -12,8 +12,8 @@ module amontons_deck_materials
   use amontons_deck_property_tables, only: read_table, read_curves
   use amontons_deck_rate_dependence, only: read_rate_dependent, read_isotropic_plastic, complete_rate_dependence
   use amontons_deck_test_data, only: fit_hyperelastic, check_test_place
-  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, check_name, &
-    check_no_data
+  use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_user_constants, is_card, count_cards, &
+    check_name, check_no_data
   use amontons_deck_viscoelasticity, only: read_viscoelastic, complete_viscoelastic
   use amontons_elasticity, only: elasticity_matrix
   use amontons_plasticity, only: is_inelastic
@@ -42,9 +42,10 @@ contains
     type(data_row_type) :: row
     type(parameter_type), allocatable :: parameters(:)
     integer, allocatable :: line(:)
-    integer :: c, m, n_fields
+    integer :: c, m, n, n_fields
     logical :: is_new
-    allocate (model%materials(0), line(0))
+    allocate (model%materials(count_cards(reader, 'MATERIAL')), line(count_cards(reader, 'MATERIAL')))
+    n = 0
     m = 0
     do c = 1, reader%cards%n_cards
       if (is_card(reader, c, 'MATERIAL')) then
@@ -53,8 +54,9 @@ contains
         call check_name(reader, c, parameter_text(parameters, 'NAME'))
         call reader%materials%add(parameter_text(parameters, 'NAME'), m, is_new)
         if (is_new) then
-          line = [line, reader%cards%cards(c)%line]
-          call add_material(model, parameter_text(parameters, 'NAME'), reader%dialect)
+          n = n + 1
+          line(n) = reader%cards%cards(c)%line
+          model%materials(n) = new_material(parameter_text(parameters, 'NAME'), reader%dialect)
         else
           call report_error(reader, reader%cards%cards(c)%line, 'The material ''' // parameter_text(parameters, 'NAME') // &
             ''' is defined twice.')
@@ -63,6 +65,7 @@ contains
         call read_property(reader, c, model%materials(m))
       end if
     end do
+    if (n < size(line)) model%materials = model%materials(:n)
     n_fields = count_field_variables(reader)
     do m = 1, size(model%materials)
       associate (material => model%materials(m))
@@ -217,16 +220,14 @@ contains
   end function is_rejected_card
 
 
-  !> Adds a material with the finite-strain law of the dialect.
-  subroutine add_material(model, name, dialect)
-    type(model_type), intent(inout) :: model
+  !> A material with the finite-strain law of the dialect.
+  pure function new_material(name, dialect) result(material)
     character(*), intent(in) :: name
     integer, intent(in) :: dialect
     type(material_type) :: material
     material%name = name
     material%law = merge(LAW_SAINT_VENANT, LAW_HENCKY, dialect == DIALECT_CALCULIX)
-    model%materials = [model%materials, material]
-  end subroutine add_material
+  end function new_material
 
 
   !> Adds a material that a section gives: isotropic and elastic.
@@ -237,8 +238,8 @@ contains
     real(DP), intent(in) :: elastic(2)           !< Young's modulus [stress], Poisson's ratio [-]
     real(DP), intent(in) :: density              !< 0: none [mass/volume]
     real(DP), intent(in) :: expansion(2)         !< secant coefficient [1/temperature], 0: none, and its reference temperature
-    call add_material(model, 'of the section in line ' // to_text(reader%cards%line_number(reader%cards%cards(c)%line)), &
-      reader%dialect)
+    model%materials = [model%materials, new_material('of the section in line ' // &
+      to_text(reader%cards%line_number(reader%cards%cards(c)%line)), reader%dialect)]
     associate (material => model%materials(size(model%materials)))
       material%has_elastic = .true.
       material%elastic = property_table_type([0.0_DP], reshape(elastic, [2, 1]))
@@ -260,8 +261,8 @@ contains
     type(model_type), intent(inout) :: model
     real(DP), intent(in) :: elastic(21)          !< as in *ELASTIC, TYPE=ANISO [stress]
     real(DP), intent(in) :: density              !< 0: none [mass/volume]
-    call add_material(model, 'of the section in line ' // to_text(reader%cards%line_number(reader%cards%cards(c)%line)), &
-      reader%dialect)
+    model%materials = [model%materials, new_material('of the section in line ' // &
+      to_text(reader%cards%line_number(reader%cards%cards(c)%line)), reader%dialect)]
     associate (material => model%materials(size(model%materials)))
       material%has_elastic = .true.
       material%elastic_kind = ELASTIC_ANISOTROPIC

@@ -14,7 +14,8 @@ module amontons_deck_reader
   public :: reader_type, time_list_type, open_card, report_error, report_note, read_real, read_integer, read_tolerance, &
     check_n_fields, check_no_data
   public :: has_decimal_comma, DECIMAL_COMMA_TEXT, VALUES_PER_LINE
-  public :: support_dofs, read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card
+  public :: support_dofs, read_user_constants, nodes_of_field, elements_of_field, find_amplitude, check_name, is_card, &
+    count_cards
 
   character(*), parameter :: DECIMAL_COMMA_TEXT = 'This looks like decimal commas: a comma parts two numbers, and a point is ' // &
     'the decimal mark (0.3). If the numbers are meant as they are, put blanks after all commas.'
@@ -81,6 +82,18 @@ contains
     is_so = .false.
     if (reader%cards%cards(c)%entry > 0) is_so = reader%table%entries(reader%cards%cards(c)%entry)%key == key
   end function is_card
+
+
+  !> The number of cards of a keyword.
+  pure integer function count_cards(reader, key)
+    type(reader_type), intent(in) :: reader
+    character(*), intent(in) :: key              !< squeezed keyword
+    integer :: c
+    count_cards = 0
+    do c = 1, reader%cards%n_cards
+      if (is_card(reader, c, key)) count_cards = count_cards + 1
+    end do
+  end function count_cards
 
 
   !> Reports an error.

@@ -9,7 +9,7 @@ module amontons_deck_sets
   use amontons_card_schema, only: has_parameter, parameter_text
   use amontons_element_drafts, only: element_draft_type
   use amontons_deck_reader, only: reader_type, open_card, report_error, report_note, read_integer, check_n_fields, is_card, &
-    check_name
+    count_cards, check_name
   use amontons_containers, only: integer_list_type, label_table_type, name_table_type, sort_integers
   use amontons_mesh, only: mesh_type, set_type
   use amontons_model, only: DIALECT_CALCULIX
@@ -80,8 +80,9 @@ contains
     type(data_row_type) :: row
     character(:), allocatable :: name
     integer :: c, s
-    logical :: is_new
+    logical :: is_new, has_submodel
     allocate (family%sets(64))
+    has_submodel = count_cards(reader, 'SUBMODEL') > 0
     do c = 1, reader%cards%n_cards
       if (.not. (is_card(reader, c, block_key) .or. is_card(reader, c, set_key))) cycle
       call open_card(reader, c, parameters, row)
@@ -102,7 +103,7 @@ contains
         call move_alloc(larger, family%sets)
       end if
       if (is_new) family%sets(s)%name = name
-      if (is_new .and. .not. family%is_node) family%sets(s)%is_of_global_model = is_global_set(reader, name)
+      if (is_new .and. has_submodel .and. .not. family%is_node) family%sets(s)%is_of_global_model = is_global_set(reader, name)
       call family%sets(s)%cards%add(c)
     end do
   end subroutine gather_family
