@@ -271,7 +271,8 @@ uses_conjugate_gradient_preconditioner = kinds errors sparse controls steps mode
 # model_check
 uses_model_check_bodies = kinds text errors tensor element_kinds loads mesh model element
 uses_model_check_contact = kinds text containers errors element_kinds loads surfaces model slave_node_overrides state shared_slave_nodes contact_pairs contact_initialization exterior_membership rigid_exterior model_check_bodies
-uses_motion_rows = kinds containers column_singletons sparse_null_space
+uses_joined_bodies = kinds containers blas_lapack
+uses_motion_rows = kinds containers column_singletons sparse_null_space joined_bodies
 uses_rigid_modes = kinds text tensor model_check_bodies
 uses_model_check_motion = kinds text containers errors tensor column_singletons null_space element_kinds loads mesh surfaces steps model contact_constraint_rows state stabilization nonlinear_mpc contact_pairs model_check_bodies model_check_contact motion_rows rigid_modes
 uses_balanced_bodies = kinds text tensor loads mpc_data structural_data model state assembly_plan external_loads nonlinear_mpc model_check_bodies model_check_motion

@@ -9,7 +9,7 @@ module amontons_blas_lapack
   private
   public :: dgetrf, dlaswp, dtrsm, dgemm, dgetrs, dpotrf, dpotri, dgemv
   public :: sgetrf, slaswp, strsm, sgemm, sgetrs, spotrf, spotri, sgemv
-  public :: dgesv, dgecon, dsyev, dgelsd
+  public :: dgesv, dgecon, dsyev, dgelsd, dgeqp3, dormqr
 
   interface
     subroutine dgetrf(m, n, a, lda, ipiv, info)
@@ -169,6 +169,25 @@ module amontons_blas_lapack
       real(DP), intent(out) :: s(*), work(*)
       integer, intent(out) :: rank, iwork(*), info
     end subroutine dgelsd
+
+    subroutine dgeqp3(m, n, a, lda, jpvt, tau, work, lwork, info)
+      import :: DP
+      integer, intent(in) :: m, n, lda, lwork
+      real(DP), intent(inout) :: a(lda, *)
+      integer, intent(inout) :: jpvt(*)
+      real(DP), intent(out) :: tau(*), work(*)
+      integer, intent(out) :: info
+    end subroutine dgeqp3
+
+    subroutine dormqr(side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
+      import :: DP
+      character(1), intent(in) :: side, trans
+      integer, intent(in) :: m, n, k, lda, ldc, lwork
+      real(DP), intent(in) :: a(lda, *), tau(*)
+      real(DP), intent(inout) :: c(ldc, *)
+      real(DP), intent(out) :: work(*)
+      integer, intent(out) :: info
+    end subroutine dormqr
   end interface
 
 end module amontons_blas_lapack

@@ -4,6 +4,7 @@ module amontons_motion_rows
   use amontons_kinds, only: DP
   use amontons_containers, only: integer_list_type
   use amontons_column_singletons, only: find_column_singletons
+  use amontons_joined_bodies, only: joined_bodies_type, join_bodies, join_vectors
   use amontons_sparse_null_space, only: find_sparse_null_vectors
   implicit none
   private
@@ -141,7 +142,8 @@ contains
 
 
   !> Null vectors of the rows of a cluster that are not solved; these have no motion that is solved.
-  !! The motions of each body are scaled by its strongest one, so that bodies with few rows count as those with many.
+  !! Bodies that follow another one are joined to it first. The motions of each body left are scaled by its strongest one, so that
+  !! bodies with few rows count as those with many.
   subroutine find_scaled_null_space(matrix, rows_of, n_left, tolerance, n, vectors)
     type(motion_matrix_type), intent(in) :: matrix   !< `place` is set for the motions of the cluster
     type(integer_list_type), intent(in) :: rows_of !< the rows of the cluster
@@ -149,29 +151,34 @@ contains
     real(DP), intent(in) :: tolerance              !< of a pivot of the Gram matrix over the largest [-]
     integer, intent(out) :: n
     real(DP), allocatable, intent(out) :: vectors(:, :)   !< (sum of n_left, n) the largest value of each is 1
+    type(joined_bodies_type) :: joined
     integer, allocatable :: first(:), column(:)
-    real(DP), allocatable :: value(:)
-    real(DP) :: norm(sum(n_left))                  ! square of it, by columns
-    real(DP) :: scale(sum(n_left))
+    real(DP), allocatable :: value(:), of_roots(:, :), norm(:), scale(:)
     integer :: i, k
     call copy_rows(matrix, rows_of, first, column, value)
-    norm = 0.0_DP
+    call join_bodies(n_left, first, column, value, joined)
+    allocate (norm(joined%first_of_root(size(joined%n) + 1) - 1), source=0.0_DP)   ! square of it, by columns
+    allocate (scale(size(norm)))
     do i = 1, size(column)
       norm(column(i)) = norm(column(i)) + value(i)**2
     end do
-    i = 0
-    do k = 1, size(n_left)
-      scale(i + 1:i + n_left(k)) = maxval(norm(i + 1:i + n_left(k)))
-      i = i + n_left(k)
+    do k = 1, size(joined%n)
+      associate (a => joined%first_of_root(k), b => joined%first_of_root(k + 1) - 1)
+        scale(a:b) = maxval(norm(a:b))
+      end associate
     end do
     where (scale > 0.0_DP)
       scale = 1.0_DP / sqrt(scale)
     else where
       scale = 1.0_DP
     end where
-    call find_sparse_null_vectors(first, column, scale(column) * value, size(scale), tolerance, n, vectors)
+    call find_sparse_null_vectors(first, column, scale(column) * value, size(scale), tolerance, n, of_roots)
     do i = 1, n
-      vectors(:, i) = scale * vectors(:, i)
+      of_roots(:, i) = scale * of_roots(:, i)
+    end do
+    allocate (vectors(sum(n_left), n))
+    call join_vectors(joined, of_roots, vectors)
+    do i = 1, n
       vectors(:, i) = vectors(:, i) / maxval(abs(vectors(:, i)))
     end do
   end subroutine find_scaled_null_space
