@@ -153,35 +153,58 @@ contains
     real(DP), allocatable, intent(out) :: vectors(:, :)   !< (sum of n_left, n) the largest value of each is 1
     type(joined_bodies_type) :: joined
     integer, allocatable :: first(:), column(:)
-    real(DP), allocatable :: value(:), of_roots(:, :), norm(:), scale(:)
-    integer :: i, k
+    real(DP), allocatable :: value(:), of_roots(:, :), scale(:), scale_of_roots(:)
+    integer :: i
     call copy_rows(matrix, rows_of, first, column, value)
+    scale = scales_of_bodies(column, value, sums(n_left))
+    value = scale(column) * value
     call join_bodies(n_left, first, column, value, joined)
-    allocate (norm(joined%first_of_root(size(joined%n) + 1) - 1), source=0.0_DP)   ! square of it, by columns
-    allocate (scale(size(norm)))
+    scale_of_roots = scales_of_bodies(column, value, joined%first_of_root - 1)
+    call find_sparse_null_vectors(first, column, scale_of_roots(column) * value, size(scale_of_roots), tolerance, n, of_roots)
+    do i = 1, n
+      of_roots(:, i) = scale_of_roots * of_roots(:, i)
+    end do
+    allocate (vectors(size(scale), n))
+    call join_vectors(joined, of_roots, vectors)
+    do i = 1, n
+      vectors(:, i) = scale * vectors(:, i)
+      vectors(:, i) = vectors(:, i) / maxval(abs(vectors(:, i)))
+    end do
+  end subroutine find_scaled_null_space
+
+
+  !> 0 and the sums of the first numbers.
+  pure function sums(n) result(last)
+    integer, intent(in) :: n(:)
+    integer :: last(0:size(n)), k
+    last(0) = 0
+    do k = 1, size(n)
+      last(k) = last(k - 1) + n(k)
+    end do
+  end function sums
+
+
+  !> For each motion 1 over the norm of the strongest one of its body; 1 where a body has no rows.
+  pure function scales_of_bodies(column, value, last) result(scale)
+    integer, intent(in) :: column(:)               !< (n_entries)
+    real(DP), intent(in) :: value(:)               !< (n_entries)
+    integer, intent(in) :: last(:)                 !< (0 and the bodies) last column of each
+    real(DP) :: scale(last(size(last)))
+    real(DP) :: norm(last(size(last)))             ! square of it, by columns
+    integer :: i, k
+    norm = 0.0_DP
     do i = 1, size(column)
       norm(column(i)) = norm(column(i)) + value(i)**2
     end do
-    do k = 1, size(joined%n)
-      associate (a => joined%first_of_root(k), b => joined%first_of_root(k + 1) - 1)
-        scale(a:b) = maxval(norm(a:b))
-      end associate
+    do k = 1, size(last) - 1
+      scale(last(k) + 1:last(k + 1)) = maxval(norm(last(k) + 1:last(k + 1)))
     end do
     where (scale > 0.0_DP)
       scale = 1.0_DP / sqrt(scale)
     else where
       scale = 1.0_DP
     end where
-    call find_sparse_null_vectors(first, column, scale(column) * value, size(scale), tolerance, n, of_roots)
-    do i = 1, n
-      of_roots(:, i) = scale * of_roots(:, i)
-    end do
-    allocate (vectors(sum(n_left), n))
-    call join_vectors(joined, of_roots, vectors)
-    do i = 1, n
-      vectors(:, i) = vectors(:, i) / maxval(abs(vectors(:, i)))
-    end do
-  end subroutine find_scaled_null_space
+  end function scales_of_bodies
 
 
   !> The rows of a cluster as a matrix of its own.
